@@ -1,0 +1,175 @@
+// A body: something with mass that moves. Virtual calls are per body per step, never per row.
+//
+// Every body integrates by implicit Euler on velocity change: A dv = h (f - h K v), A = M + h B + h^2 K,
+// and answers a constraint force lambda (N) by dv += h A^-1 H^T lambda, so W = h^2 H A^-1 H^T (m/N).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sutura/types.h"
+
+namespace sutura {
+
+/// What the clock says during one step.
+struct StepContext {
+  Real dt = 0.01;       ///< s
+  Real time = 0;        ///< s, at the start of the step
+  Index step = 0;       ///< 0, 1, ...
+  Vec3 gravity = Vec3::Zero();
+  Real end() const { return time + dt; }
+};
+
+/// Which positions: at rest, at the start of the step, or after free motion (no constraints).
+/// After `correct`, `current` is the end of the step.
+enum class Configuration { rest, current, free };
+
+/// A point of a body, in the coordinates of the body itself, so that it survives motion.
+/// Tissue: element and barycentric weights. Curve: weights[0] is the abscissa (m), element a hint.
+struct EmbeddedPoint {
+  Index element = -1;
+  std::array<Real, 4> weights{};
+};
+
+/// velocity of a point = sum over nodes of coefficients(:, k*width .. ) * node velocity.
+struct PointJacobian {
+  static constexpr int max_nodes = 10;
+  int nodes = 0;
+  int width = 3;  ///< dofs per node: 3 (translation) or 6 (translation, rotation)
+  std::array<Index, max_nodes> node{};
+  Eigen::Matrix<Real, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 30> coefficients;  ///< 3 x nodes*width
+};
+
+/// The rows H of one body: row i touches entries start[i] .. start[i+1]; entry e is node[e] with
+/// `width` coefficients at value[e*width].
+struct BodyRows {
+  int width = 3;
+  std::vector<Index> row;    ///< row number in the whole problem, ascending
+  std::vector<Index> start;  ///< size row.size() + 1
+  std::vector<Index> node;
+  std::vector<Real> value;
+
+  void clear();
+  Index size() const { return static_cast<Index>(row.size()); }
+  /// force += H^T lambda; lambda over all rows of the problem, force over the dofs of the body.
+  void add_transposed(const VecX& lambda, VecX& force) const;
+};
+
+/// Geometry and fields for recorders.
+struct BodyGeometry {
+  enum class Cell { line, tetrahedron };
+  struct Field {
+    std::string name;  ///< with unit: "velocity [m/s]"
+    bool on_cells = false;
+    int components = 1;
+    std::vector<Real> values;
+  };
+  Cell cell = Cell::line;
+  std::vector<Vec3> points;
+  std::vector<Index> connectivity;  ///< 2 or 4 per cell
+  std::vector<Field> fields;
+};
+
+class Body {
+ public:
+  static constexpr const char* interface_name = "Body";
+  virtual ~Body() = default;
+
+  /// Nodes times width.
+  virtual Index dofs() const = 0;
+  virtual int width() const = 0;
+
+  /// Stage free_motion: assembles A at the current state, solves A dv = b, fills `free`.
+  virtual void free_motion(const StepContext& context) = 0;
+
+  virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
+  /// At the current configuration.
+  virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
+
+  /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
+  /// dofs answer zero.
+  virtual void solve(Eigen::Ref<MatX> columns) const = 0;
+  /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
+  /// row; a body that knows better overrides it.
+  virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
+
+  /// Stage correct: adds the constraint force (N, N m; size dofs) to the free motion and moves the
+  /// body to the end of the step.
+  virtual void correct(const StepContext& context, const VecX& force) = 0;
+
+  /// Linear momentum (kg m/s) and mass (kg), for balance checks.
+  virtual Vec3 momentum() const = 0;
+  virtual Real mass() const = 0;
+  /// Kinetic plus elastic energy (J) at the current state; gravity excluded.
+  virtual Real energy() const = 0;
+  /// False as soon as any coordinate is not finite.
+  virtual bool finite() const = 0;
+
+  virtual BodyGeometry geometry() const = 0;
+};
+
+/// A point of the boundary of a solid.
+struct SurfacePoint {
+  EmbeddedPoint at;
+  Index triangle = -1;
+  Vec3 position = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  ///< unit, outward
+  Real distance = 0;           ///< signed: positive outside
+};
+
+/// A body with an inside: tissue.
+class SolidBody : public Body {
+ public:
+  static constexpr const char* interface_name = "SolidBody";
+  /// The element that contains p, or nothing.
+  virtual std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const = 0;
+  /// The closest point of the boundary within `reach` (m) of p, or nothing.
+  virtual std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
+                                                      Configuration c) const = 0;
+  /// Where the segment from a to b first crosses the boundary, or nothing. `distance` is the signed
+  /// distance of a along the normal.
+  virtual std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
+                                               Configuration c) const = 0;
+  virtual Vec3 surface_normal(Index triangle, Configuration c) const = 0;
+  /// Region tag of the mesh (layer).
+  virtual int region(const EmbeddedPoint& p) const = 0;
+};
+
+/// How firmly a hold keeps a section of a curve.
+struct HoldStiffness {
+  Real translation = 1e6;  ///< N/m
+  Real rotation = 10;      ///< N m/rad
+};
+
+/// A body that is a curve, parametrised by arc length at rest ("abscissa", m): 0 at the needle tip,
+/// growing towards the end of the thread.
+class CurveBody : public Body {
+ public:
+  static constexpr const char* interface_name = "CurveBody";
+  virtual Real length() const = 0;
+  virtual Real needle_length() const = 0;  ///< 0 without needle
+  virtual Real radius(Real s) const = 0;
+  virtual EmbeddedPoint embed(Real s) const = 0;
+  virtual Vec3 point(Real s, Configuration c) const = 0;
+  /// Unit vector in the direction of growing s.
+  virtual Vec3 tangent(Real s, Configuration c) const = 0;
+  /// Frame of the section: x axis along the tangent.
+  virtual Pose frame(Real s, Configuration c) const = 0;
+  /// The abscissa in [low, high] whose point is closest to p; starts from `guess` and follows the
+  /// curve downhill, so that it cannot jump to another strand.
+  virtual Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
+                                Configuration c) const = 0;
+
+  /// Holds: a section tied to a moving pose by an implicit spring, part of A (a grasper, a clamp).
+  /// `add_hold` is called from initialise, by components linked to this one; returns its number.
+  virtual Index add_hold(Real s) = 0;
+  /// Until changed: the section follows `target` (pose of its frame at the end of the step).
+  virtual void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) = 0;
+  virtual void release_hold(Index hold) = 0;
+  /// What the hold applies to the curve, over the last step.
+  virtual Wrench hold_wrench(Index hold) const = 0;
+};
+
+}  // namespace sutura

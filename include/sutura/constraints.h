@@ -1,0 +1,161 @@
+// Rows: what constraint sources build, what a constraint solver solves, what sources read back.
+// lambda is a force in newtons (moment in N m for rotational rows), delta and d_free are in metres
+// (rad), W in m/N.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "sutura/body.h"
+#include "sutura/law.h"
+
+namespace sutura {
+
+/// Names a block across steps, so that its lambda and mode survive. Stable under resampling: made
+/// of what the block is about (a path sample, a contact), never of node numbers.
+struct Key {
+  std::uint64_t value = 0;
+  auto operator<=>(const Key&) const = default;
+};
+inline Key make_key(Index source_id, std::uint64_t local) {
+  return {(static_cast<std::uint64_t>(source_id) << 40) | local};
+}
+
+/// Index of a block within one step.
+struct BlockId {
+  Index index = -1;
+  bool valid() const { return index >= 0; }
+};
+
+/// The scales against which a block's residual is measured: a converged block is wrong by less than
+/// tolerance * force and tolerance * length.
+struct BlockUnits {
+  Real force = 0.1;    ///< N
+  Real length = 1e-4;  ///< m
+};
+
+struct ConstraintBlock {
+  const LawOperations* law = nullptr;
+  Index first_row = 0;
+  std::size_t params = 0;  ///< byte offset into ConstraintProblem::params
+  Key key;
+  BlockUnits units;
+  Mode mode = 0;
+  Vec3 at = Vec3::Zero();                                        ///< where it acts (m)
+  Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
+};
+
+/// One step's problem: delta = W lambda + d_free, and a law per block.
+class ConstraintProblem {
+ public:
+  std::vector<ConstraintBlock> blocks;
+  std::vector<std::max_align_t> params;
+  VecX d_free;  ///< per row
+  VecX lambda;  ///< per row; on entry the warm start, on exit the solution
+  VecX delta;   ///< per row; on exit W lambda + d_free
+  MatX W;       ///< rows x rows, the sum over bodies; filled by the stage "compliance"
+  std::vector<BodyRows> bodies;  ///< H, one per body of the simulation
+
+  Index rows() const { return d_free.size(); }
+  const void* block_params(const ConstraintBlock& b) const {
+    return reinterpret_cast<const std::byte*>(params.data()) + b.params;
+  }
+  /// Force on the first-coupled body, in world axes (N).
+  Vec3 block_force(const ConstraintBlock& b) const {
+    return b.axes.leftCols(b.law->dim) * lambda.segment(b.first_row, b.law->dim);
+  }
+};
+
+/// Lets sources append blocks. Used between ConstraintBuilder::begin and finish, once per step.
+class ConstraintBuilder {
+ public:
+  /// `bodies`: all bodies of the simulation, in row order of `problem.bodies`.
+  ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies);
+
+  void begin();
+  /// Assembles H; warm-starts lambda of known keys from the step before.
+  void finish();
+
+  /// d_free: violation after free motion. `mode` is where the law starts.
+  template <Law L>
+  BlockId add(Key key, const typename L::Params& params, const BlockVector<L::dim>& d_free,
+              Mode mode = 0, BlockUnits units = {}) {
+    return add_block(&law_operations<L>, key, &params, d_free.data(), mode, units);
+  }
+  /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
+  /// directions * displacement of the point. A block may couple a body more than once.
+  /// The first coupling decides where and on whom the block's force is drawn.
+  void couple(BlockId block, const Body& body, const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions,
+              const PointJacobian& J, const Vec3& at);
+
+ private:
+  BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* d_free,
+                    Mode mode, BlockUnits units);
+  struct Patch;
+  struct Warm;
+  ConstraintProblem& problem_;
+  std::vector<const Body*> bodies_;
+  std::vector<Patch> patches_;
+  std::vector<Index> patch_nodes_;
+  std::vector<Real> patch_values_;
+  std::vector<Real> d_free_;
+  std::vector<Warm> warm_;
+  std::vector<Real> warm_lambda_;
+
+ public:
+  ~ConstraintBuilder();
+};
+
+/// What sources read in `commit`.
+class SolvedBlocks {
+ public:
+  explicit SolvedBlocks(const ConstraintProblem& problem) : problem_(problem) {}
+  const ConstraintBlock& block(BlockId id) const {
+    return problem_.blocks[static_cast<std::size_t>(id.index)];
+  }
+  auto lambda(BlockId id) const {
+    return problem_.lambda.segment(block(id).first_row, block(id).law->dim);
+  }
+  auto delta(BlockId id) const {
+    return problem_.delta.segment(block(id).first_row, block(id).law->dim);
+  }
+  Mode mode(BlockId id) const { return block(id).mode; }
+  Vec3 force(BlockId id) const { return problem_.block_force(block(id)); }
+
+ private:
+  const ConstraintProblem& problem_;
+};
+
+/// A component that makes rows. Stages detect, build and commit of the step.
+class ConstraintSource {
+ public:
+  static constexpr const char* interface_name = "ConstraintSource";
+  virtual ~ConstraintSource() = default;
+  /// Finds candidates, from the current and the free configuration of its bodies.
+  virtual void detect(const StepContext&) {}
+  /// Appends blocks. The order of blocks must depend on nothing but the state.
+  virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;
+  /// After `correct`: the only place where topology and the number of rows may change.
+  virtual void commit(const StepContext&, const SolvedBlocks&) {}
+};
+
+struct SolveReport {
+  Index sweeps = 0;
+  Index direct_solves = 0;  ///< subspace steps
+  Index events = 0;         ///< irreversible events fired during the solve
+  Real residual = 0;        ///< law residual, in units of the blocks
+  Real violation = 0;       ///< largest distance of a block from its law (m)
+  bool converged = true;
+};
+
+/// Solves the problem in place (lambda, delta, modes). A component; GaussSeidel is the default.
+class ConstraintSolver {
+ public:
+  static constexpr const char* interface_name = "ConstraintSolver";
+  virtual ~ConstraintSolver() = default;
+  virtual SolveReport solve(ConstraintProblem& problem) = 0;
+};
+
+}  // namespace sutura

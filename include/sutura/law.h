@@ -1,0 +1,147 @@
+// A constraint law: a pure function of one block. delta = W lambda + delta_0 meets the law's own
+// graph of (delta, lambda); `project` returns the lambda on that graph.
+//
+//   struct Unilateral {                         // 0 <= delta  _|_  lambda >= 0
+//     static constexpr int dim = 1;
+//     static constexpr const char* name = "unilateral";
+//     struct Params { };                        // trivially copyable
+//     static void project(const BlockMatrix<1>& W, const BlockVector<1>& d, const Params&,
+//                         Mode&, BlockVector<1>& lambda) { lambda = max(0, -d / W); }
+//     static int free_directions(...)           // see below
+//   };
+#pragma once
+
+#include <cstddef>
+#include <concepts>
+#include <cstdint>
+#include <type_traits>
+
+#include "sutura/types.h"
+
+namespace sutura {
+
+template <int N>
+using BlockMatrix = Eigen::Matrix<Real, N, N>;
+template <int N>
+using BlockVector = Eigen::Matrix<Real, N, 1>;
+
+/// Rows a block can have at most.
+inline constexpr int max_block_dim = 6;
+
+/// The state word of a law (open, stick, slip, ...); meaning is the law's own.
+using Mode = std::uint8_t;
+
+/// What one block looks like when its law is asked. `d` is the violation *without* the block's own
+/// lambda: d = delta - W lambda (m).
+///
+/// Free directions, for the subspace step of the solver: in the current mode some combinations of
+/// the rows behave like bilateral rows. Column j of `move` says how lambda changes when that
+/// combination is pushed by one newton, column j of `test` which combination of delta must then
+/// vanish. Stick and bilateral: both the identity. Clamped or open: none. Slipping contact with
+/// normal n and slip direction t: move = n - mu t, test = n.
+template <int N>
+struct FreeDirections {
+  int count = 0;
+  BlockMatrix<N> move = BlockMatrix<N>::Identity();
+  BlockMatrix<N> test = BlockMatrix<N>::Identity();
+};
+
+template <class L>
+concept Law =
+    std::is_trivially_copyable_v<typename L::Params> && (L::dim >= 1) && (L::dim <= max_block_dim) &&
+    requires(const BlockMatrix<L::dim>& W, const BlockVector<L::dim>& d,
+             const typename L::Params& p, Mode& mode, BlockVector<L::dim>& lambda,
+             FreeDirections<L::dim>& free) {
+      { L::name };
+      // lambda <- the solution of the block, from any lambda; mode <- the state it is in.
+      { L::project(W, d, p, mode, lambda) };
+      // Free directions of the given mode and lambda.
+      { L::free_directions(W, p, mode, lambda, free) };
+    };
+
+/// A law with irreversible events adds
+///   static bool event(const Params&, const BlockVector<dim>& delta, Mode&, const BlockVector<dim>& lambda)
+/// which changes the mode and returns true if the event is due. Called only on converged multipliers.
+template <class L>
+concept LawWithEvents = Law<L> && requires(const typename L::Params& p,
+                                           const BlockVector<L::dim>& delta, Mode& mode,
+                                           const BlockVector<L::dim>& lambda) {
+  { L::event(p, delta, mode, lambda) } -> std::same_as<bool>;
+};
+
+/// One block, untyped, as the solver stores it. Pointers into the problem's arrays.
+struct BlockView {
+  const Real* W;        ///< dim x dim, column major
+  const Real* d;        ///< dim
+  const void* params;
+  Mode* mode;
+  Real* lambda;         ///< dim
+};
+
+struct FreeDirectionsView {
+  int count = 0;
+  Real move[max_block_dim * max_block_dim];  ///< dim x count, column major
+  Real test[max_block_dim * max_block_dim];
+};
+
+/// The functions of a law behind plain pointers: one indirect call per block or per run.
+struct LawOperations {
+  const char* name;
+  int dim;
+  std::size_t params_size;
+  void (*project)(const BlockView&);
+  void (*free_directions)(const BlockView&, FreeDirectionsView&);
+  bool (*event)(const void* params, const Real* delta, Mode* mode, const Real* lambda);  ///< or null
+};
+
+namespace detail {
+
+template <class L>
+void project_block(const BlockView& b) {
+  constexpr int n = L::dim;
+  const Eigen::Map<const BlockMatrix<n>> W(b.W);
+  const Eigen::Map<const BlockVector<n>> d(b.d);
+  Eigen::Map<BlockVector<n>> out(b.lambda);
+  BlockVector<n> lambda = out;
+  L::project(W, d, *static_cast<const typename L::Params*>(b.params), *b.mode, lambda);
+  out = lambda;
+}
+
+template <class L>
+void free_directions_of_block(const BlockView& b, FreeDirectionsView& out) {
+  constexpr int n = L::dim;
+  const Eigen::Map<const BlockMatrix<n>> W(b.W);
+  const Eigen::Map<const BlockVector<n>> lambda(b.lambda);
+  FreeDirections<n> free;
+  L::free_directions(W, *static_cast<const typename L::Params*>(b.params), *b.mode, lambda, free);
+  out.count = free.count;
+  Eigen::Map<BlockMatrix<n>>(out.move) = free.move;
+  Eigen::Map<BlockMatrix<n>>(out.test) = free.test;
+}
+
+template <class L>
+bool event_of_block(const void* params, const Real* delta, Mode* mode, const Real* lambda) {
+  constexpr int n = L::dim;
+  return L::event(*static_cast<const typename L::Params*>(params),
+                  BlockVector<n>(Eigen::Map<const BlockVector<n>>(delta)), *mode,
+                  BlockVector<n>(Eigen::Map<const BlockVector<n>>(lambda)));
+}
+
+template <class L>
+constexpr LawOperations make_operations() {
+  LawOperations ops{L::name,
+                    L::dim,
+                    sizeof(typename L::Params),
+                    &project_block<L>,
+                    &free_directions_of_block<L>,
+                    nullptr};
+  if constexpr (LawWithEvents<L>) ops.event = &event_of_block<L>;
+  return ops;
+}
+
+}  // namespace detail
+
+template <Law L>
+inline constexpr LawOperations law_operations = detail::make_operations<L>();
+
+}  // namespace sutura

@@ -1,0 +1,69 @@
+// The tree of a scene: nodes, components, settings. For people; `compile` makes arrays of it.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sutura/component.h"
+#include "sutura/diagnostics.h"
+#include "sutura/registry.h"
+
+namespace sutura {
+
+class Node {
+ public:
+  std::string name;  ///< empty for the root
+  std::string path;  ///< "/" for the root, "/skin" below it
+  SourceLocation location;
+  Node* parent = nullptr;
+  std::vector<std::unique_ptr<Component>> components;
+  std::vector<std::unique_ptr<Node>> children;
+};
+
+struct PluginUse {
+  std::string name;
+  SourceLocation location;
+};
+
+class Scene {
+ public:
+  std::filesystem::path file;  ///< empty if the scene came from memory
+  Real dt = 0.01;              ///< s
+  Vec3 gravity{0, 0, -9.81};   ///< m/s^2
+  std::vector<PluginUse> plugins;
+  Node root;
+
+  /// All components, in document order.
+  std::vector<Component*> components() const;
+  /// By path ("/skin/tissue"), or nullptr.
+  Component* find(std::string_view path) const;
+  /// The components that `owner` links to, in the order of its links.
+  const std::vector<Component*>& links_of(const Component& owner) const;
+
+ private:
+  friend class SceneBuilder;
+  std::map<const Component*, std::vector<Component*>> links_;
+};
+
+struct LoadOptions {
+  std::vector<std::string> plugin_directories = {};  ///< searched before the default ones
+  /// ("/skin/tissue.young", "30 kPa"), (".dt", "5 ms"): replaces or adds the attribute.
+  std::vector<std::pair<std::string, std::string>> overrides = {};
+};
+
+/// Nothing if there is any error; all errors are in `diagnostics`.
+std::unique_ptr<Scene> load_scene(const std::filesystem::path& file, Registry& registry,
+                                  Diagnostics& diagnostics, const LoadOptions& options = {});
+/// From text; `directory` resolves relative files, `name` stands for the file in messages.
+std::unique_ptr<Scene> load_scene_text(std::string_view text, const std::string& name,
+                                       const std::filesystem::path& directory, Registry& registry,
+                                       Diagnostics& diagnostics, const LoadOptions& options = {});
+/// XML that loads to the same scene: every attribute that differs from its default, every link.
+std::string write_scene(const Scene& scene);
+
+}  // namespace sutura

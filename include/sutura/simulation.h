@@ -1,0 +1,96 @@
+// A compiled scene: flat lists of bodies, sources and recorders, and the step over them.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sutura/body.h"
+#include "sutura/constraints.h"
+#include "sutura/scene.h"
+
+namespace sutura {
+
+/// The stages of a step, in order (docs/step.md).
+enum class Stage { inputs, free_motion, detect, build, compliance, solve, correct, commit, record };
+inline constexpr std::array<std::string_view, 9> stage_names{
+    "inputs", "free_motion", "detect", "build", "compliance", "solve", "correct", "commit", "record"};
+
+struct StepReport {
+  Index step = 0;
+  Real time = 0;  ///< s, at the end of the step
+  Index blocks = 0;
+  Index rows = 0;
+  SolveReport solve;
+  bool finite = true;
+  std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
+  double total_seconds() const;
+};
+
+/// Moves something by the clock alone: tracks, graspers. Stage inputs.
+class Driver {
+ public:
+  static constexpr const char* interface_name = "Driver";
+  virtual ~Driver() = default;
+  virtual void drive(const StepContext& context) = 0;
+};
+
+class Simulation;
+
+/// Reads the state after each step and writes files. Never changes anything.
+class Recorder {
+ public:
+  static constexpr const char* interface_name = "Recorder";
+  virtual ~Recorder() = default;
+  /// After compile, before the first step. Returns an error sentence, or empty.
+  virtual std::string start(const Simulation& simulation) = 0;
+  virtual std::string record(const Simulation& simulation, const StepReport& report) = 0;
+  virtual std::string finish(const Simulation& simulation) = 0;
+};
+
+class Simulation {
+ public:
+  /// Initialises the components in the order of their links. Nothing if there is any error.
+  static std::unique_ptr<Simulation> compile(std::unique_ptr<Scene> scene,
+                                             const std::filesystem::path& output_directory,
+                                             Diagnostics& diagnostics);
+  ~Simulation();
+
+  /// One time step. Never throws; what went wrong is in the report.
+  const StepReport& step();
+  /// Opens the files of recorders and records the initial state; closes them. Error sentence or empty.
+  std::string start_recording();
+  std::string finish_recording();
+
+  const Scene& scene() const { return *scene_; }
+  const StepReport& report() const { return report_; }
+  const ConstraintProblem& problem() const { return problem_; }
+  Real time() const { return report_.time; }
+  /// A component by path ("/skin/tissue"), or nullptr.
+  Component* find(std::string_view path) const { return scene_->find(path); }
+
+  struct NamedBody {
+    std::string path;
+    Body* body = nullptr;
+  };
+  const std::vector<NamedBody>& bodies() const { return bodies_; }
+
+ private:
+  Simulation();
+  std::unique_ptr<Scene> scene_;
+  std::vector<NamedBody> bodies_;
+  std::vector<Driver*> drivers_;
+  std::vector<ConstraintSource*> sources_;
+  std::vector<Recorder*> recorders_;
+  std::unique_ptr<Component> default_solver_;
+  ConstraintSolver* solver_ = nullptr;
+  ConstraintProblem problem_;
+  std::unique_ptr<ConstraintBuilder> builder_;
+  std::vector<VecX> body_force_;
+  StepReport report_;
+  std::string record_error_;
+};
+
+}  // namespace sutura
