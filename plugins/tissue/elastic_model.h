@@ -11,14 +11,15 @@ namespace sutura {
 
 /// Isotropic material of one region.
 struct Material {
-  Real young = 3e3;      ///< Pa
-  Real poisson = 0.45;   ///< below 0.5
-  Real density = 1000;   ///< kg/m^3
-  Real lame_mu() const { return young / (2 * (1 + poisson)); }
-  Real lame_lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }
+  Real young = 3e3;     ///< Pa
+  Real poisson = 0.45;  ///< below 0.5
+  Real density = 1000;  ///< kg/m^3
+  Real lame_mu() const { return young / (2 * (1 + poisson)); }                                // Pa
+  Real lame_lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }  // Pa
 };
 
-/// One per tissue. Positions are 3 n vectors in node order; n nodes of the mesh it was built from.
+/// One per tissue, made from its rest positions and tets. Positions and forces are 3 n numbers in
+/// the order of the nodes.
 class ElasticModel {
  public:
   virtual ~ElasticModel() = default;
@@ -26,17 +27,15 @@ class ElasticModel {
   /// Pairs i < j of nodes whose block of K can be nonzero, sorted, each once.
   virtual std::vector<std::array<Index, 2>> pairs() const = 0;
   /// Looks up once where its blocks go; `pattern` contains at least `pairs`.
-  virtual void bind(const BlockMatrix& pattern) = 0;
+  virtual void bind(const NodePattern& pattern) = 0;
   /// Materials per tet. Called before the first `linearise`, and again if they change.
   virtual void set_materials(const std::vector<Material>& per_tet) = 0;
 
-  /// force = -dE/dx (N); A += scale * K for every block, fixed nodes included (the solver masks
+  /// force += -dE/dx (N); A += scale * K for every block, fixed nodes included (the solver masks
   /// them: reactions need their rows).
-  virtual void linearise(const VecX& x, Real scale, BlockMatrix& A, VecX& force) = 0;
+  virtual void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) = 0;
   /// Elastic energy (J).
   virtual Real energy(const VecX& x) const = 0;
-  /// Rotation of each tet (3x3, from the last linearise), for stress fields and nodal rotations.
-  virtual Mat3 rotation(Index tet) const = 0;
 };
 
 }  // namespace sutura
