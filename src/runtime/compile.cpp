@@ -73,7 +73,6 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
-    if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
     if (auto* solver = dynamic_cast<ConstraintSolver*>(c)) {
       if (s->solver_ != nullptr) {
@@ -88,6 +87,10 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     auto solver = std::make_unique<GaussSeidel>();
     s->solver_ = solver.get();
     s->default_solver_ = std::move(solver);
+  }
+  // Sources commit after those they link to: a puncture finds the path already moved on.
+  for (Component* c : order.components()) {
+    if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
   }
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, std::move(bodies));
   return s;

@@ -48,7 +48,7 @@ const StepReport& Simulation::step() {
   timer.enter(Stage::correct);
   report_.finite = true;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    body_force_[i].setZero();
+    body_force_[i].setZero(bodies_[i].body->dofs());
     problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
     bodies_[i].body->correct(context, body_force_[i]);
     report_.finite = report_.finite && bodies_[i].body->finite();
