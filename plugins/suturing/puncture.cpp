@@ -148,6 +148,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.puncture_force =
       front_ == Front::exit ? exit_threshold_
                             : region_value(region, regions_, region_thresholds_, threshold_);
+  threshold_here_ = params.puncture_force;
   params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   params.friction = front_ == Front::layer ? 0 : friction_;
 
@@ -171,6 +172,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
     peak_force_ = std::max(peak_force_, force_);
     return;
   }
+  // The force of this step is the one after the fall; it fell from the threshold, where the event fires.
+  peak_force_ = std::max(peak_force_, threshold_here_);
   ++count_;
   Channel& channel = path_->channel();
   switch (front_) {

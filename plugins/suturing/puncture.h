@@ -38,6 +38,7 @@ class Puncture : public Component, public ConstraintSource {
   SurfacePoint touched_;   ///< normal: out of what the tip would go into
   int region_ = 0;         ///< of the layer the tip has got into
   BlockId block_;
+  Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;       ///< punctures so far
   Real force_ = 0;        ///< along the normal (N)
   Real peak_force_ = 0;   ///< largest so far (N)
