@@ -147,7 +147,13 @@ std::optional<std::vector<Real>> parse_quantities(std::string_view text, std::st
     const bool is_unit = length == 0 || (length < rest.size() && rest[length] == '/');  // "1/s"
     if (is_unit) break;
     numbers.push_back(rest.substr(0, length));
-    rest = trim(rest.substr(length));
+    rest.remove_prefix(length);
+    if (!rest.empty() && (number_length(rest) > 0 || rest.front() == '.')) {  // "12-3", "1.2.3"
+      error = quoted(text) + ": " + quoted(numbers.back()) + " is followed by " + quoted(rest) +
+              " without a blank";
+      return std::nullopt;
+    }
+    rest = trim(rest);
     if (!rest.starts_with(',')) continue;
     rest = trim(rest.substr(1));
     if (number_length(rest) == 0) {
