@@ -10,7 +10,7 @@ namespace {
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);
-  return nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?";
+  return nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?";
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -63,7 +63,7 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
       "off "
       "keeps all of its rows.");
   d.attribute("columns", &CsvProbe::columns_text_,
-              "Outputs, blank separated: \"/holder.force /path.friction\".")
+              "Outputs, blank separated: '/holder.force /path.friction'.")
       .required();
   d.attribute("file", &CsvProbe::file_, "Name of the file in the output folder.");
   d.attribute("report", &CsvProbe::report_,
@@ -73,15 +73,15 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
 
 void CsvProbe::initialise(Setup& setup) {
   directory_ = setup.output_directory;
-  if (file_.empty()) setup.error(*this, "\"file\" is empty; expected a name such as probe.csv");
+  if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as probe.csv");
 }
 
 std::string CsvProbe::resolve(const std::string& name, const Simulation& simulation,
                               Column& column) const {
   const auto dot = name.rfind('.');
   if (dot == std::string::npos || dot == 0 || dot + 1 == name.size()) {
-    return path() + ": column \"" + name +
-           "\"; expected a component and its output, as in /holder.force";
+    return path() + ": column '" + name +
+           "'; expected a component and its output, as in /holder.force";
   }
   const std::string owner = name.substr(0, dot);
   const std::string output = name.substr(dot + 1);
@@ -89,7 +89,7 @@ std::string CsvProbe::resolve(const std::string& name, const Simulation& simulat
   if (column.component == nullptr) {
     std::vector<std::string> paths;
     for (const Component* c : simulation.scene().components()) paths.push_back(c->path());
-    return path() + ": no component \"" + owner + "\" for column \"" + name + "\"" +
+    return path() + ": no component '" + owner + "' for column '" + name + "'" +
            did_you_mean(owner, paths);
   }
   std::vector<std::string> names;
@@ -100,8 +100,8 @@ std::string CsvProbe::resolve(const std::string& name, const Simulation& simulat
     }
     names.push_back(o.name);
   }
-  return path() + ": " + column.component->info().name + " \"" + owner + "\" has no output \"" +
-         output + "\"" +
+  return path() + ": " + column.component->info().name + " '" + owner + "' has no output '" +
+         output + "'" +
          (names.empty() ? "; it has none"
                         : did_you_mean(output, names) + "; it has " + list_of(names));
 }
@@ -125,8 +125,8 @@ std::string CsvProbe::start(const Simulation& simulation) {
     if (other == this) break;
     const auto* probe = dynamic_cast<const CsvProbe*>(other);
     if (probe != nullptr && probe->file_ == file_) {
-      return path() + " would overwrite \"" + file_ + "\" of " + other->path() +
-             "; expected another \"file\"";
+      return path() + " would overwrite '" + file_ + "' of " + other->path() +
+             "; expected another 'file'";
     }
   }
   if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;

@@ -114,7 +114,7 @@ std::string check(const VtuGrid& grid) {
   for (const BodyGeometry::Field& f : grid.fields) {
     const std::size_t places = f.on_cells ? grid.connectivity.size() / nodes : grid.points.size();
     if (f.values.size() != places * static_cast<std::size_t>(f.components)) {
-      return "field \"" + f.name + "\" has " + std::to_string(f.values.size()) + " values for " +
+      return "field '" + f.name + "' has " + std::to_string(f.values.size()) + " values for " +
              std::to_string(places) + (f.on_cells ? " cells" : " points");
     }
   }

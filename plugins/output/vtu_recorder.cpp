@@ -49,7 +49,7 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
       "looked at.");
   d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
   d.attribute("interval", &VtuRecorder::interval_, "s", at_least(0),
-              "Time between records; 0: by steps, as \"every\" says.");
+              "Time between records; 0: by steps, as 'every' says.");
 }
 
 void VtuRecorder::initialise(Setup& setup) {

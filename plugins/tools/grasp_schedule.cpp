@@ -26,7 +26,7 @@ GraspSchedule::GraspSchedule(const std::vector<Real>& grasps, const std::vector<
 
 std::string GraspSchedule::check(const std::vector<Real>& grasps,
                                  const std::vector<Real>& releases) {
-  if (grasps.empty()) return "\"grasp\" is empty; expected at least one time";
+  if (grasps.empty()) return "'grasp' is empty; expected at least one time";
   if (releases.size() > grasps.size() || releases.size() + 1 < grasps.size()) {
     return std::to_string(grasps.size()) + " times of grasp and " +
            std::to_string(releases.size()) +

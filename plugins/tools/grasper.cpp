@@ -50,8 +50,8 @@ void Grasper::describe(Describe<Grasper>& d) {
 
 void Grasper::initialise(Setup& setup) {
   if (at_ > body_->length()) {
-    setup.error(*this, "\"at\" is " + format_real(at_) +
-                           " m; expected an abscissa on \"body\", which is " +
+    setup.error(*this, "'at' is " + format_real(at_) +
+                           " m; expected an abscissa on 'body', which is " +
                            format_real(body_->length()) + " m long");
     return;
   }

@@ -54,7 +54,7 @@ class Parser {
     if (problems_.empty() && columns_.empty()) {
       problems_.push_back({0,
                            "the file has no header line; expected names of columns such as "
-                           "\"t [s], x [mm], ry [deg]\""});
+                           "'t [s], x [mm], ry [deg]'"});
     }
     if (problems_.empty() && keys_.empty()) problems_.push_back({0, "the file has no key frame"});
     if (!problems_.empty()) keys_.clear();
@@ -74,10 +74,10 @@ class Parser {
       columns_.push_back(header_field(field).value_or(Column{}));
       const std::size_t quantity = columns_.back().quantity;
       if (!problems_.empty()) continue;
-      if (seen[quantity]) problem("column \"" + std::string(field) + "\" comes twice");
+      if (seen[quantity]) problem("column '" + std::string(field) + "' comes twice");
       seen[quantity] = true;
     }
-    if (problems_.empty() && !seen[0]) problem("no column \"t\"; expected the time of each key");
+    if (problems_.empty() && !seen[0]) problem("no column 't'; expected the time of each key");
   }
 
   std::optional<Column> header_field(std::string_view field) {
@@ -85,7 +85,7 @@ class Parser {
     std::string_view unit;
     if (const auto open = field.find('['); open != std::string_view::npos) {
       if (field.back() != ']') {
-        problem("column \"" + std::string(field) + "\": expected \"name [unit]\"");
+        problem("column '" + std::string(field) + "': expected 'name [unit]'");
         return {};
       }
       name = trim(field.substr(0, open));
@@ -94,14 +94,14 @@ class Parser {
     std::size_t quantity = 0;
     while (quantity < column_names.size() && column_names[quantity] != name) ++quantity;
     if (quantity == column_names.size()) {
-      problem("unknown column \"" + std::string(name) + "\"; expected t, x, y, z, rx, ry or rz");
+      problem("unknown column '" + std::string(name) + "'; expected t, x, y, z, rx, ry or rz");
       return {};
     }
     if (unit.empty()) return Column{quantity, 1};
     std::string error;
     const auto factor = parse_quantity("1 " + std::string(unit), column_units[quantity], error);
     if (!factor) {
-      problem("column \"" + std::string(field) + "\": " + error);
+      problem("column '" + std::string(field) + "': " + error);
       return {};
     }
     return Column{quantity, *factor};
@@ -118,7 +118,7 @@ class Parser {
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const auto number = parse_real(fields[i]);
       if (!number) {
-        problem("\"" + std::string(fields[i]) + "\" in column " + std::to_string(i + 1) +
+        problem("'" + std::string(fields[i]) + "' in column " + std::to_string(i + 1) +
                 " is not a number");
         return;
       }

@@ -39,7 +39,7 @@ void Track::initialise(Setup& setup) {
   if (file_.path.empty()) {
     keys = keys_from_attributes(setup);
   } else if (!times_.empty() || !positions_.empty() || !rotations_.empty()) {
-    setup.error(*this, "keys are given twice, by \"file\" and by \"times\"; expected one of them");
+    setup.error(*this, "keys are given twice, by 'file' and by 'times'; expected one of them");
   } else {
     keys = keys_from_file(setup);
   }
@@ -57,14 +57,14 @@ std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {
   if (n == 0) {
     setup.error(
         *this,
-        "no key frames; expected \"times\" (with \"positions\" or \"rotations\") or \"file\"");
+        "no key frames; expected 'times' (with 'positions' or 'rotations') or 'file'");
     return {};
   }
   bool fits = true;
   const auto check = [&](const std::vector<Real>& list, const char* name) {
     if (list.empty() || list.size() == 3 * n) return;
     fits = false;
-    setup.error(*this, "\"" + std::string(name) + "\" has " + std::to_string(list.size()) +
+    setup.error(*this, "'" + std::string(name) + "' has " + std::to_string(list.size()) +
                            " numbers; expected three for each of the " + std::to_string(n) +
                            " times, " + std::to_string(3 * n));
   };
