@@ -40,6 +40,15 @@ VtuGrid constraint_grid(const ConstraintProblem& problem, LawNumbers& laws) {
     mode.values.push_back(b.mode);
     law.values.push_back(laws.number(b.law->name));
   }
+  if (problem.blocks.empty()) {
+    // Readers such as meshio refuse a grid without cells, and a step left out would show the arrows
+    // of the step before: one vertex with no force and the law -1 stands for "none".
+    grid.points = {Vec3::Zero()};
+    grid.connectivity = {0};
+    force.values = {0, 0, 0};
+    lambda.values = delta.values = mode.values = {0};
+    law.values = {-1};
+  }
   grid.fields = {std::move(force), std::move(lambda), std::move(delta), std::move(mode),
                  std::move(law)};
   grid.constants = laws.legend();

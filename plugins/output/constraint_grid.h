@@ -21,7 +21,8 @@ class LawNumbers {
 };
 
 /// One vertex per block, where the block acts. Fields: "force [N]" on the first body of the block,
-/// "lambda [N]" and "delta [m]" (norms over the rows of the block), "mode", "law".
+/// "lambda [N]" and "delta [m]" (norms over the rows of the block), "mode", "law". Without blocks:
+/// one vertex at the origin with zero force and law -1.
 VtuGrid constraint_grid(const ConstraintProblem& problem, LawNumbers& laws);
 
 }  // namespace sutura::output
