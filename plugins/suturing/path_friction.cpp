@@ -12,7 +12,8 @@ void PathFriction::describe(Describe<PathFriction>& d) {
       "Friction of needle and thread along their channel: every sample resists with the length it stands for, sticks below "
       "the static level, slips at the kinetic one plus a viscous part.");
   d.theory(
-      "Resistance of a length l of channel on a thread of diameter d (paper, section 4.5): R = l pi d mu p, viscous "
+      "Resistance of a length l of channel on a thread of diameter d (paper, section 4.5): R = mu (l pi d p + share N) with "
+      "N the force across the thread at the sample; viscous "
       "coefficient c = l pi d alpha. With delta the slip over the step of length h and w the compliance of the row, the "
       "unique solution is lambda = -delta_0 / w while |lambda| <= R_static, else\n"
       "|slip| = (|delta_0| - w R) / (1 + w c / h), lambda = -sign(delta_0) (R + c |slip| / h).");
@@ -23,6 +24,9 @@ void PathFriction::describe(Describe<PathFriction>& d) {
               "Static friction coefficient; below the kinetic one it is taken equal to it.");
   d.attribute("pressure", &PathFriction::pressure_, "Pa", at_least(0),
               "Pressure p of the tissue on needle and thread.");
+  d.attribute("lateral_share", &PathFriction::lateral_share_, "1", between(0, 1),
+              "Share of the measured force across the thread that adds to the pressure: 0 a constant pressure, 1 the thread "
+              "as on a capstan.");
   d.attribute("viscosity", &PathFriction::viscosity_, "Pa s/m", at_least(0),
               "Viscous stress alpha per slip speed.");
   d.attribute("stick_speed", &PathFriction::stick_speed_, "m/s", at_least(0),
@@ -47,13 +51,16 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
   for (const Crossing& c : path_->crossings()) {
     const Real area = c.length * std::numbers::pi * 2 * path_->thread().radius(c.abscissa);
     PathFrictionLaw::Params params;
-    params.kinetic = area * coefficient_ * pressure_;
-    params.static_level = area * static_coefficient_ * pressure_;
+    const PathSample& sample = path_->channel().samples()[c.sample];
+    // The force across the thread is that of the step before: exact in steady sliding.
+    const Real normal = area * pressure_ + lateral_share_ * sample.lateral_force;
+    params.kinetic = coefficient_ * normal;
+    params.static_level = static_coefficient_ * normal;
     params.viscous = area * viscosity_ / context.dt;
     params.stick_slip = stick_speed_ * context.dt;
     limit_ += params.kinetic;
     // Positive slip of the row: the thread moves towards growing abscissa, the tip retracts.
-    const bool slid = std::abs(path_->channel().samples()[c.sample].slip) > params.stick_slip;
+    const bool slid = std::abs(sample.slip) > params.stick_slip;
     const BlockId block = builder.add<PathFrictionLaw>(
         make_key(source_id_, c.id), params, BlockVector<1>(c.free.x()),
         slid ? PathFrictionLaw::slip : PathFrictionLaw::stick);

@@ -20,6 +20,7 @@ class PathFriction : public Component, public ConstraintSource {
   Real coefficient_ = 0.2;
   Real static_coefficient_ = 0;
   Real pressure_ = 10e3;
+  Real lateral_share_ = 0;
   Real viscosity_ = 0;
   Real stick_speed_ = 0;
   Index source_id_ = 0;

@@ -22,7 +22,7 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", above(0),
               "Puncture force from inside.");
   d.attribute("regions", &Puncture::regions_, "1", at_least(0),
-              "Region tags of the tissue with an entry threshold of their own.");
+              "Region tags of the tissue with a threshold of their own, on the surface and as a layer under another.");
   d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", above(0),
               "One threshold per tag in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", at_least(0),
@@ -33,10 +33,11 @@ void Puncture::describe(Describe<Puncture>& d) {
            [](const Puncture& p) { return p.peak_force_; });
   d.output("punctures", "1", "Times the tip has gone through a surface.",
            [](const Puncture& p) { return Real(p.count_); });
-  d.output("state", "", "Contact of the tip: free, pressing (from outside) or tenting (from inside).",
+  d.output("state", "", "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or tenting (a surface from inside).",
            [](const Puncture& p) -> std::string {
-             if (p.side_ == Side::none || p.force_ <= 0) return "free";
-             return p.side_ == Side::outside ? "pressing" : "tenting";
+             if (p.front_ == Front::none || p.force_ <= 0) return "free";
+             if (p.front_ == Front::entry) return "pressing";
+             return p.front_ == Front::layer ? "layer" : "tenting";
            });
 }
 
@@ -50,64 +51,110 @@ void Puncture::initialise(Setup& setup) {
 }
 
 void Puncture::detect(const StepContext&) {
-  side_ = Side::none;
+  front_ = Front::none;
   if (!path_->channel().tip_inside()) {
-    find_entry();
+    front_ = find_entry();
   } else if (path_->channel().tip_at_end()) {
-    find_exit();
+    front_ = find_exit();
+    if (front_ == Front::none) front_ = find_layer();
+    if (front_ == Front::none) return;
+    const Vec3 tip = path_->thread().point(0, Configuration::current);
+    const Real to_go = touched_.normal.dot(tip - touched_.position);
+    path_->set_tip_blocked(to_go < 0.05 * path_->spacing());
   }
 }
 
-void Puncture::find_entry() {
+Puncture::Front Puncture::find_entry() {
   const CurveBody& thread = path_->thread();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Real motion = (thread.point(0, Configuration::free) - tip).norm();
   const auto hit =
       path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
-  if (!hit) return;
-  if (path_->channel().mouth_near(tip, 2 * thread.radius(0) + path_->spacing())) return;
+  if (!hit) return Front::none;
+  if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
   touched_ = *hit;
-  side_ = Side::outside;
+  return Front::entry;
 }
 
-void Puncture::find_exit() {
+Puncture::Front Puncture::find_exit() {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real motion = (thread.point(0, Configuration::free) - tip).norm();
-  const Real reach = motion + path_->spacing();
+  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
   auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::current);
   // A tip that tents the surface may sit on it, on either side by rounding.
   if (!hit) hit = tissue.closest_surface(tip, 0.1 * path_->spacing(), Configuration::current);
-  if (!hit || hit->normal.dot(forward) <= 0) return;
+  if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
-  side_ = Side::inside;
-  const Real to_go = touched_.normal.dot(touched_.position - tip);
-  path_->set_tip_blocked(to_go < 0.05 * path_->spacing());
+  touched_.normal = -hit->normal;
+  return Front::exit;
+}
+
+/// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the front is where the region
+/// changes along the needle, and its normal is the needle's axis.
+Puncture::Front Puncture::find_layer() {
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const Vec3 tip = thread.point(0, Configuration::current);
+  const Vec3 forward = -thread.tangent(0, Configuration::current);
+  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  const auto beyond = tissue.locate(tip + reach * forward, Configuration::current);
+  if (!beyond) return Front::none;
+  const int next = tissue.region(*beyond);
+  if (next == region_) return Front::none;
+  if (!has_threshold(next)) {
+    const auto here = tissue.locate(tip, Configuration::current);
+    if (here) region_ = tissue.region(*here);
+    return Front::none;
+  }
+  Real low = -0.1 * path_->spacing();
+  Real high = reach;
+  EmbeddedPoint at = *beyond;
+  while (high - low > 1e-6 * path_->spacing()) {
+    const Real middle = 0.5 * (low + high);
+    const auto p = tissue.locate(tip + middle * forward, Configuration::current);
+    if (p && tissue.region(*p) == next) {
+      high = middle;
+      at = *p;
+    } else {
+      low = middle;
+    }
+  }
+  touched_ = {.at = at,
+              .triangle = -1,
+              .position = tissue.position(at, Configuration::current),
+              .normal = -forward,
+              .distance = high};
+  return Front::layer;
+}
+
+bool Puncture::has_threshold(int region) const {
+  return region_value(region, regions_, region_thresholds_, -1) >= 0;
 }
 
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   block_ = {};
   force_ = 0;
-  if (side_ == Side::none) return;
+  if (front_ == Front::none) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
-  const bool entry = side_ == Side::outside;
+  const int region = tissue.region(touched_.at);
   const Vec3 tip = thread.point(0, Configuration::current);
 
   PunctureLaw::Params params;
-  params.normal = entry ? touched_.normal : Vec3(-touched_.normal);
+  params.normal = touched_.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.puncture_force = entry ? region_value(tissue.region(touched_.at), regions_,
-                                               region_thresholds_, threshold_)
-                                : exit_threshold_;
-  params.cutting_force = entry && cutting_ ? cutting_->threshold(touched_.at) : 0;
-  params.friction = friction_;
+  params.puncture_force =
+      front_ == Front::exit ? exit_threshold_
+                            : region_value(region, regions_, region_thresholds_, threshold_);
+  threshold_here_ = params.puncture_force;
+  params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
+  params.friction = front_ == Front::layer ? 0 : friction_;
 
   const Vec3 free = thread.point(0, Configuration::free) -
                     tissue.position(touched_.at, Configuration::free);
-  block_ = builder.add<PunctureLaw>(make_key(source_id_, entry ? 0 : 1), params,
+  block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)), params,
                                     BlockVector<3>(free), PunctureLaw::pressing,
                                     {.force = params.puncture_force});
   const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
@@ -120,19 +167,28 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (!block_.valid()) return;
-  const Vec3 outward = side_ == Side::outside ? touched_.normal : Vec3(-touched_.normal);
-  force_ = outward.dot(solved.force(block_));
+  force_ = touched_.normal.dot(solved.force(block_));
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     peak_force_ = std::max(peak_force_, force_);
     return;
   }
+  // The force of this step is the one after the fall; it fell from the threshold, where the event fires.
+  peak_force_ = std::max(peak_force_, threshold_here_);
   ++count_;
-  force_ = 0;
   Channel& channel = path_->channel();
-  if (side_ == Side::outside) {
-    channel.enter(touched_.at);
-  } else if (channel.tip_inside()) {
-    channel.leave(touched_.at);
+  switch (front_) {
+    case Front::entry:
+      channel.enter(touched_.at);
+      region_ = path_->tissue().region(touched_.at);
+      break;
+    case Front::layer:
+      region_ = path_->tissue().region(touched_.at);
+      break;
+    case Front::exit:
+      if (channel.tip_inside()) channel.leave(touched_.at);
+      break;
+    case Front::none:
+      break;
   }
 }
 

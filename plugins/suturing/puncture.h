@@ -18,9 +18,12 @@ class Puncture : public Component, public ConstraintSource {
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
  private:
-  enum class Side { none, outside, inside };
-  void find_entry();
-  void find_exit();
+  /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface from inside.
+  enum class Front { none, entry, layer, exit };
+  Front find_entry();
+  Front find_exit();
+  Front find_layer();
+  bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
   Link<Cutting> cutting_;
@@ -31,9 +34,11 @@ class Puncture : public Component, public ConstraintSource {
   Real friction_ = 0.2;
   Index source_id_ = 0;
 
-  Side side_ = Side::none;
-  SurfacePoint touched_;
+  Front front_ = Front::none;
+  SurfacePoint touched_;   ///< normal: out of what the tip would go into
+  int region_ = 0;         ///< of the layer the tip has got into
   BlockId block_;
+  Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;       ///< punctures so far
   Real force_ = 0;        ///< along the normal (N)
   Real peak_force_ = 0;   ///< largest so far (N)

@@ -106,11 +106,13 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
-  channel_->update();
   lateral_force_ = 0;
-  for (const BlockId b : blocks_) {
-    lateral_force_ = std::max(lateral_force_, solved.lambda(b).norm());
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Real force = solved.lambda(blocks_[i]).norm();
+    lateral_force_ = std::max(lateral_force_, force);
+    if (i < sample_crossings_) channel_->set_lateral_force(crossings_[i].sample, force);
   }
+  channel_->update();
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];
