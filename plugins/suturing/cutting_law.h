@@ -19,7 +19,7 @@ struct CuttingLaw {
   static constexpr int dim = 1;
   static constexpr const char* name = "cutting";
   struct Params {
-    Real fc = 0;  ///< N
+    Real threshold = 0;  ///< fc, N
   };
   static constexpr Mode behind = 0;
   static constexpr Mode stopped = 1;
@@ -30,11 +30,11 @@ struct CuttingLaw {
     if (d[0] >= 0) {
       lambda[0] = 0;
       mode = behind;
-    } else if (-d[0] <= W(0, 0) * p.fc) {
+    } else if (-d[0] <= W(0, 0) * p.threshold) {
       lambda[0] = -d[0] / W(0, 0);
       mode = stopped;
     } else {
-      lambda[0] = p.fc;
+      lambda[0] = p.threshold;
       mode = cutting;
     }
   }

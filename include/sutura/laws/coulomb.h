@@ -123,6 +123,16 @@ inline Friction solve_friction(const Mat3& W, const Vec3& d, Real mu, Real cap, 
   return s > 0 ? Friction::slip : Friction::stick;
 }
 
+/// The state that a force on the friction law's graph belongs to. Projection puts limits exactly; a
+/// force that was rotated since then is still taken for one at its limit.
+inline Friction friction_state(const Vec3& lambda, Real mu, Real cap) {
+  constexpr Real nearly = 1 - 1e-12;
+  if (!(lambda[0] > 0)) return Friction::open;
+  const bool slips = lambda.tail<2>().norm() >= mu * lambda[0] * nearly;
+  if (lambda[0] >= cap * nearly) return slips ? Friction::capped_slip : Friction::capped_stick;
+  return slips ? Friction::slip : Friction::stick;
+}
+
 /// Tangent of the friction law at (delta, lambda); compliance along the normal.
 inline void friction_directions(const Vec3& delta, Real mu, Real compliance, Friction state,
                                 const Vec3& lambda, FreeDirections<3>& free) {
