@@ -63,6 +63,8 @@ class Simulation {
   /// Opens the files of recorders and records the initial state; closes them. Error sentence or empty.
   std::string start_recording();
   std::string finish_recording();
+  /// What stopped the recording, or empty.
+  const std::string& recording_error() const { return record_error_; }
 
   const Scene& scene() const { return *scene_; }
   const StepReport& report() const { return report_; }
@@ -90,7 +92,8 @@ class Simulation {
   std::unique_ptr<ConstraintBuilder> builder_;
   std::vector<VecX> body_force_;
   StepReport report_;
-  std::string record_error_;
+  bool recording_ = false;
+  std::string record_error_;  ///< the first one; recording stops there
 };
 
 }  // namespace sutura

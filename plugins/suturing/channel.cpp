@@ -1,0 +1,176 @@
+#include "channel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sutura {
+
+Channel::Channel(const CurveBody& thread, const SolidBody& tissue, Real spacing)
+    : thread_(thread), tissue_(tissue), spacing_(spacing) {
+  samples_.reserve(256);
+}
+
+bool Channel::tip_inside() const {
+  return passed_ > 0 && samples_[passed_ - 1].kind != PathSample::Kind::exit;
+}
+
+Real Channel::tip_depth() const {
+  return tip_inside() ? samples_[passed_ - 1].depth + samples_[passed_ - 1].abscissa : 0;
+}
+
+bool Channel::tip_at_end() const {
+  return tip_inside() && passed_ == samples_.size() && tip_depth() > end_depth_ - 0.02 * spacing_;
+}
+
+Real Channel::length_of(std::size_t i) const {
+  const PathSample& s = samples_[i];
+  Real length = 0;
+  if (s.kind != PathSample::Kind::entry && i > 0) length += 0.5 * (s.depth - samples_[i - 1].depth);
+  if (s.kind == PathSample::Kind::exit) return length;
+  if (i + 1 < passed_) return length + 0.5 * (samples_[i + 1].depth - s.depth);
+  return length + s.abscissa;  // the last one holds what is between it and the tip
+}
+
+Real Channel::inserted_length() const {
+  Real sum = 0;
+  for (std::size_t i = 0; i < passed_; ++i) sum += length_of(i);
+  return sum;
+}
+
+bool Channel::mouth_near(const Vec3& point, Real reach) const {
+  const auto near = [&](const PathSample& s) {
+    return (tissue_.position(s.at, Configuration::current) - point).norm() < reach;
+  };
+  // The exit just left, or the entry of a channel that is remembered but empty.
+  if (passed_ > 0 && samples_[passed_ - 1].kind == PathSample::Kind::exit &&
+      near(samples_[passed_ - 1])) {
+    return true;
+  }
+  return passed_ < samples_.size() && samples_[passed_].kind == PathSample::Kind::entry &&
+         near(samples_[passed_]);
+}
+
+void Channel::push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind) {
+  const Real slip = kind == PathSample::Kind::entry ? 0 : samples_.back().slip;
+  samples_.push_back({.id = next_id_++,
+                      .at = at,
+                      .depth = depth,
+                      .abscissa = abscissa,
+                      .slip = slip,
+                      .kind = kind});
+  passed_ = samples_.size();
+}
+
+EmbeddedPoint Channel::embed(const Vec3& point) const {
+  if (const auto inside = tissue_.locate(point, Configuration::current)) return *inside;
+  // A point that grazes the surface is kept at its foot on it.
+  if (const auto foot = tissue_.closest_surface(point, spacing_, Configuration::current)) {
+    return foot->at;
+  }
+  return end_;
+}
+
+void Channel::enter(const EmbeddedPoint& mouth) {
+  samples_.resize(passed_);  // what an earlier, abandoned channel left
+  const Vec3 at = tissue_.position(mouth, Configuration::current);
+  const Real reach = 2 * (at - tip()).norm() + spacing_;
+  const Real s = thread_.closest_abscissa(at, 0, 0, std::min(reach, thread_.length()),
+                                          Configuration::current);
+  push(mouth, 0, s, PathSample::Kind::entry);
+  end_ = mouth;
+  end_depth_ = 0;
+  record();
+}
+
+void Channel::leave(const EmbeddedPoint& mouth) {
+  samples_.resize(passed_);
+  const Vec3 at = tissue_.position(mouth, Configuration::current);
+  const PathSample& last = samples_.back();
+  const Real s = thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)),
+                                          Configuration::current);
+  push(mouth, last.depth + std::max(last.abscissa - s, Real(0)), s, PathSample::Kind::exit);
+  end_ = mouth;
+  end_depth_ = samples_.back().depth;
+}
+
+void Channel::set_friction_mode(std::uint64_t id, std::uint8_t mode) {
+  const auto it = std::lower_bound(samples_.begin(), samples_.end(), id,
+                                   [](const PathSample& s, std::uint64_t i) { return s.id < i; });
+  if (it != samples_.end() && it->id == id) it->friction_mode = mode;
+}
+
+void Channel::update() {
+  find_abscissae();
+  retract();
+  readvance();
+  if (tip_inside() && passed_ == samples_.size()) record();
+}
+
+/// From the tip backwards: abscissae grow in the order in which the channel was entered, so each search is bounded by the
+/// one before it and cannot jump to another loop of the thread.
+void Channel::find_abscissae() {
+  Real low = 0;
+  for (std::size_t i = passed_; i-- > 0;) {
+    PathSample& s = samples_[i];
+    const Vec3 at = tissue_.position(s.at, Configuration::current);
+    const Real before = s.abscissa;
+    s.abscissa = thread_.closest_abscissa(at, std::max(low, before + s.slip), low, thread_.length(),
+                                          Configuration::current);
+    s.slip = s.abscissa - before;
+    low = s.abscissa;
+  }
+  // The end of the thread has gone through: the channel behind it is empty.
+  std::size_t gone = 0;
+  while (gone < passed_ && samples_[gone].abscissa >= thread_.length()) ++gone;
+  samples_.erase(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(gone));
+  passed_ -= gone;
+}
+
+void Channel::retract() {
+  const Vec3 tip_position = tip();
+  const Vec3 forward = advance_direction();
+  while (passed_ > 0) {
+    const PathSample& last = samples_[passed_ - 1];
+    const Vec3 at = tissue_.position(last.at, Configuration::current);
+    if (last.abscissa > 0 || forward.dot(tip_position - at) >= 0) break;
+    --passed_;
+  }
+}
+
+void Channel::readvance() {
+  const Vec3 tip_position = tip();
+  const Vec3 forward = advance_direction();
+  while (passed_ < samples_.size()) {
+    PathSample& next = samples_[passed_];
+    const Vec3 offset = tip_position - tissue_.position(next.at, Configuration::current);
+    const Real along = forward.dot(offset);
+    const Real aside = (offset - along * forward).norm();
+    const bool into_mouth = next.kind != PathSample::Kind::entry || aside < 2 * thread_.radius(0);
+    if (along < 0 || along > 2 * spacing_ || !into_mouth) break;
+    next.abscissa = along;
+    next.slip = 0;
+    ++passed_;
+  }
+}
+
+/// The channel grows as far as the tip has come: samples at their spacing along the needle, each fixed to the tissue that is
+/// there now, and the end at the tip itself.
+void Channel::record() {
+  const Real depth = tip_depth();
+  if (depth <= end_depth_) return;
+  if (!tissue_.locate(tip(), Configuration::current)) {
+    // Out through the surface without a puncture: nothing is left to cut once it is clear of it.
+    const auto foot = tissue_.closest_surface(tip(), spacing_, Configuration::current);
+    if (foot && foot->distance > 0.1 * spacing_) leave(foot->at);
+    return;
+  }
+  end_ = embed(tip());
+  end_depth_ = depth;
+  while (depth - samples_.back().depth >= spacing_) {
+    const Real next = samples_.back().depth + spacing_;
+    const Real s = depth - next;
+    push(embed(thread_.point(s, Configuration::current)), next, s, PathSample::Kind::inner);
+  }
+}
+
+}  // namespace sutura

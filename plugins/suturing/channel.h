@@ -1,0 +1,81 @@
+// The channel that a needle leaves in tissue: points fixed in the tissue, in the order of passage, and where along the
+// thread each of them is now. Knows no constraint.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sutura/body.h"
+
+namespace sutura {
+
+/// A point of the channel. `depth` is the length of channel between the mouth of its bite and it.
+struct PathSample {
+  std::uint64_t id = 0;   ///< never reused
+  EmbeddedPoint at;       ///< in the tissue
+  Real depth = 0;         ///< m
+  Real abscissa = 0;      ///< of the thread, at this point (m)
+  Real slip = 0;          ///< change of the abscissa over the last step (m): positive when the tip advances
+  Real lateral_force = 0; ///< across the thread in the last step (N)
+  std::uint8_t friction_mode = 0;  ///< in which the friction law starts the next step
+  enum class Kind { entry, inner, exit } kind = Kind::inner;
+};
+
+/// Samples are kept in the order of passage: all before `passed` are on the thread, those after it were left by a retracting
+/// tip and are remembered, so that the tip can come back through the same channel without cutting.
+class Channel {
+ public:
+  Channel(const CurveBody& thread, const SolidBody& tissue, Real spacing);
+
+  /// Number of samples on the thread; they are samples()[0 .. passed).
+  std::size_t passed() const { return passed_; }
+  const std::vector<PathSample>& samples() const { return samples_; }
+
+  bool tip_inside() const;
+  /// The tip is at the end of what has been cut, as opposed to retracted.
+  bool tip_at_end() const;
+  /// Length of channel between the mouth and the tip, of the open bite (m); 0 outside.
+  Real tip_depth() const;
+  /// Depth of the end of the recorded channel (m), its place in the tissue, its slip in the last step.
+  Real end_depth() const { return end_depth_; }
+  const EmbeddedPoint& end() const { return end_; }
+  /// Length of thread or needle inside the tissue (m), over all bites.
+  Real inserted_length() const;
+  /// Length of channel that sample i stands for (m); their sum is inserted_length.
+  Real length_of(std::size_t i) const;
+
+  /// A mouth through which the tip could slide back in without puncture: within `reach` of `point`.
+  bool mouth_near(const Vec3& point, Real reach) const;
+
+  /// The tip has just gone through the surface at `mouth`, into the tissue: begins a bite there.
+  void enter(const EmbeddedPoint& mouth);
+  /// The tip has just left the tissue at `mouth`.
+  void leave(const EmbeddedPoint& mouth);
+  PathSample& sample(std::size_t i) { return samples_[i]; }
+  /// Of the sample with this id, if it is still there.
+  void set_friction_mode(std::uint64_t id, std::uint8_t mode);
+  /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end of the thread, takes up
+  /// remembered ones, and records the channel as far as the tip has come.
+  void update();
+
+ private:
+  void find_abscissae();
+  void retract();
+  void readvance();
+  void record();
+  void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
+  EmbeddedPoint embed(const Vec3& point) const;
+  Vec3 tip() const { return thread_.point(0, Configuration::current); }
+  Vec3 advance_direction() const { return -thread_.tangent(0, Configuration::current); }
+
+  const CurveBody& thread_;
+  const SolidBody& tissue_;
+  Real spacing_;
+  std::vector<PathSample> samples_;
+  std::size_t passed_ = 0;
+  Real end_depth_ = 0;
+  EmbeddedPoint end_;
+  std::uint64_t next_id_ = 0;
+};
+
+}  // namespace sutura

@@ -1,0 +1,68 @@
+#include "cutting.h"
+
+#include <cmath>
+
+#include "cutting_law.h"
+#include "region_values.h"
+
+namespace sutura {
+
+void Cutting::describe(Describe<Cutting>& d) {
+  d.summary(
+      "Resistance of the tissue to a tip that lengthens its channel: up to the threshold the tip only compresses the "
+      "tissue. Nothing while the tip moves in a channel cut before, nothing in retraction.");
+  d.theory(
+      "One row along the needle, delta = end of the recorded channel minus tip, lambda in [0, fc]:\n"
+      "0 <= delta _|_ lambda >= 0 below the threshold, lambda = fc while the channel grows.");
+  d.link("path", &Cutting::path_, "The channel that is lengthened.");
+  d.attribute("threshold", &Cutting::threshold_, "N", at_least(0),
+              "Cutting force fc, where no region says otherwise.");
+  d.attribute("regions", &Cutting::regions_, "1", at_least(0),
+              "Region tags of the tissue with a threshold of their own.");
+  d.attribute("region_thresholds", &Cutting::region_thresholds_, "N", at_least(0),
+              "One threshold per tag in `regions`.");
+  d.output("force", "N", "Force of the tissue on the tip, along the needle.",
+           [](const Cutting& c) { return c.force_; });
+}
+
+void Cutting::initialise(Setup& setup) {
+  source_id_ = setup.source_id;
+  check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
+}
+
+Real Cutting::threshold(const EmbeddedPoint& at) const {
+  return region_value(path_->tissue().region(at), regions_, region_thresholds_, threshold_);
+}
+
+void Cutting::build(const StepContext&, ConstraintBuilder& builder) {
+  block_ = {};
+  force_ = 0;
+  const Channel& channel = path_->channel();
+  if (!channel.tip_inside() || path_->tip_blocked()) return;
+
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const EmbeddedPoint& end = channel.end();
+  const Vec3 forward = -thread.tangent(0, Configuration::current);
+  const Vec3 tip = thread.point(0, Configuration::current);
+  const Vec3 at = tissue.position(end, Configuration::current);
+  // Length of open channel ahead, counted along it: a retracted tip may point anywhere.
+  const Vec3 tip_motion = thread.point(0, Configuration::free) - tip;
+  const Vec3 end_motion = tissue.position(end, Configuration::free) - at;
+  const Real ahead = channel.end_depth() - channel.tip_depth();
+  if (ahead > 2 * tip_motion.norm() + path_->spacing()) return;
+
+  const BlockVector<1> free(ahead + forward.dot(end_motion - tip_motion));
+  block_ = builder.add<CuttingLaw>(make_key(source_id_, 0), {.fc = threshold(end)}, free);
+  PointJacobian J;
+  thread.jacobian(thread.embed(0), J);
+  builder.couple(block_, thread, -forward.transpose(), J, tip);
+  tissue.jacobian(end, J);
+  builder.couple(block_, tissue, forward.transpose(), J, tip);
+}
+
+void Cutting::commit(const StepContext&, const SolvedBlocks& solved) {
+  if (block_.valid()) force_ = solved.lambda(block_)[0];
+}
+
+}  // namespace sutura

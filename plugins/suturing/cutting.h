@@ -1,0 +1,31 @@
+// Component Cutting: what the tip needs to lengthen its channel (paper, section 4.3).
+#pragma once
+
+#include <vector>
+
+#include "suture_path.h"
+
+namespace sutura {
+
+class Cutting : public Component, public ConstraintSource {
+ public:
+  static constexpr const char* interface_name = "Cutting";
+  static void describe(Describe<Cutting>& d);
+  void initialise(Setup& setup) override;
+  void build(const StepContext& context, ConstraintBuilder& builder) override;
+  void commit(const StepContext& context, const SolvedBlocks& solved) override;
+
+  /// Force to cut on at a point of the tissue (N).
+  Real threshold(const EmbeddedPoint& at) const;
+
+ private:
+  Link<SuturePath> path_;
+  Real threshold_ = 0.2;
+  std::vector<Real> regions_;
+  std::vector<Real> region_thresholds_;
+  Index source_id_ = 0;
+  BlockId block_;
+  Real force_ = 0;
+};
+
+}  // namespace sutura

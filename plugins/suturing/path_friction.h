@@ -1,0 +1,42 @@
+// Component PathFriction: dry and viscous friction of needle and thread in their channel (paper, section 4.5).
+#pragma once
+
+#include <vector>
+
+#include "path_friction_law.h"
+#include "suture_path.h"
+
+namespace sutura {
+
+class PathFriction : public Component, public ConstraintSource {
+ public:
+  static constexpr const char* interface_name = "PathFriction";
+  static void describe(Describe<PathFriction>& d);
+  void initialise(Setup& setup) override;
+  void build(const StepContext& context, ConstraintBuilder& builder) override;
+  void commit(const StepContext& context, const SolvedBlocks& solved) override;
+
+  /// Kinetic resistance of a length of channel at the given radius and lateral force 0 (N/m).
+  Real resistance_per_length(Real radius) const;
+
+ private:
+  Link<SuturePath> path_;
+  Real coefficient_ = 0.2;
+  Real static_coefficient_ = 0;
+  Real pressure_ = 10e3;
+  Real lateral_share_ = 0;
+  Real viscosity_ = 0;
+  Real stick_speed_ = 0;
+  Index source_id_ = 0;
+  struct SampleBlock {
+    BlockId block;
+    std::uint64_t id;  ///< of the sample
+    PathFrictionLaw::Params params;
+  };
+  std::vector<SampleBlock> blocks_;
+  Real force_ = 0;    ///< sum of axial forces on the thread, positive towards the end of the thread (N)
+  Real limit_ = 0;    ///< sum of kinetic resistances (N)
+  Index sliding_ = 0;
+};
+
+}  // namespace sutura

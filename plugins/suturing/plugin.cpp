@@ -1,0 +1,26 @@
+// Plugin "suturing": puncture, cutting, suture path, path friction.
+#include "sutura/plugin.h"
+
+#include "cutting.h"
+#include "cutting_law.h"
+#include "path_friction.h"
+#include "path_friction_law.h"
+#include "puncture.h"
+#include "puncture_law.h"
+#include "suture_path.h"
+
+namespace {
+
+void enrol_suturing(sutura::Registry& registry) {
+  registry.law<sutura::PunctureLaw>();
+  registry.law<sutura::CuttingLaw>();
+  registry.law<sutura::PathFrictionLaw>();
+  registry.component<sutura::SuturePath>("SuturePath");
+  registry.component<sutura::Cutting>("Cutting");
+  registry.component<sutura::Puncture>("Puncture");
+  registry.component<sutura::PathFriction>("PathFriction");
+}
+
+}  // namespace
+
+SUTURA_PLUGIN(suturing, "0.1.0", "Apache-2.0", enrol_suturing)

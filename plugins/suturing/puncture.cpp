@@ -1,0 +1,199 @@
+#include "puncture.h"
+
+#include <algorithm>
+
+#include "puncture_law.h"
+#include "region_values.h"
+
+namespace sutura {
+
+void Puncture::describe(Describe<Puncture>& d) {
+  d.summary(
+      "Contact of the needle tip with the surface of a tissue, from outside (entry) and from inside (exit): frictional "
+      "contact up to a force threshold; at the threshold the tip goes through and a channel begins or ends.");
+  d.theory(
+      "Paper, section 4.2: 0 <= delta _|_ lambda >= 0 while lambda < fp; 0 <= -delta _|_ fp - lambda >= 0 while lambda > 0, "
+      "delta = n^T (tip - surface point). The puncture fires only on converged multipliers, all due ones at once, and the "
+      "solve goes on with the law of the pierced state: bilateral across the needle, cutting along it.");
+  d.link("path", &Puncture::path_, "The channel that begins and ends at the punctures.");
+  d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
+  d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.").optional();
+  d.attribute("threshold", &Puncture::threshold_, "N", above(0),
+              "Puncture force fp on entry, where no region says otherwise.");
+  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", above(0),
+              "Puncture force from inside.");
+  d.attribute("regions", &Puncture::regions_, "1", at_least(0),
+              "Region tags of the tissue with a threshold of their own, on the surface and as a layer under another.");
+  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", above(0),
+              "One threshold per tag in `regions`.");
+  d.attribute("friction", &Puncture::friction_, "1", at_least(0),
+              "Coulomb coefficient of the tip on the surface before it goes through.");
+  d.output("force", "N", "Force of the surface on the tip, along the normal.",
+           [](const Puncture& p) { return p.force_; });
+  d.output("peak_force", "N", "Largest force along the normal so far.",
+           [](const Puncture& p) { return p.peak_force_; });
+  d.output("punctures", "1", "Times the tip has gone through a surface.",
+           [](const Puncture& p) { return Real(p.count_); });
+  d.output("state", "", "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or tenting (a surface from inside).",
+           [](const Puncture& p) -> std::string {
+             if (p.front_ == Front::none || p.force_ <= 0) return "free";
+             if (p.front_ == Front::entry) return "pressing";
+             return p.front_ == Front::layer ? "layer" : "tenting";
+           });
+}
+
+void Puncture::initialise(Setup& setup) {
+  source_id_ = setup.source_id;
+  check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
+  if (path_->tissue().locate(path_->thread().point(0, Configuration::current),
+                             Configuration::current)) {
+    setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
+  }
+}
+
+void Puncture::detect(const StepContext&) {
+  front_ = Front::none;
+  if (!path_->channel().tip_inside()) {
+    front_ = find_entry();
+  } else if (path_->channel().tip_at_end()) {
+    front_ = find_exit();
+    if (front_ == Front::none) front_ = find_layer();
+    if (front_ == Front::none) return;
+    const Vec3 tip = path_->thread().point(0, Configuration::current);
+    const Real to_go = touched_.normal.dot(tip - touched_.position);
+    path_->set_tip_blocked(to_go < 0.05 * path_->spacing());
+  }
+}
+
+Puncture::Front Puncture::find_entry() {
+  const CurveBody& thread = path_->thread();
+  const Vec3 tip = thread.point(0, Configuration::current);
+  const Real motion = (thread.point(0, Configuration::free) - tip).norm();
+  const auto hit =
+      path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
+  if (!hit) return Front::none;
+  if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
+  touched_ = *hit;
+  return Front::entry;
+}
+
+Puncture::Front Puncture::find_exit() {
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const Vec3 tip = thread.point(0, Configuration::current);
+  const Vec3 forward = -thread.tangent(0, Configuration::current);
+  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::current);
+  // A tip that tents the surface may sit on it, on either side by rounding.
+  if (!hit) hit = tissue.closest_surface(tip, 0.1 * path_->spacing(), Configuration::current);
+  if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
+  touched_ = *hit;
+  touched_.normal = -hit->normal;
+  return Front::exit;
+}
+
+/// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the front is where the region
+/// changes along the needle, and its normal is the needle's axis.
+Puncture::Front Puncture::find_layer() {
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const Vec3 tip = thread.point(0, Configuration::current);
+  const Vec3 forward = -thread.tangent(0, Configuration::current);
+  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  const auto beyond = tissue.locate(tip + reach * forward, Configuration::current);
+  if (!beyond) return Front::none;
+  const int next = tissue.region(*beyond);
+  if (next == region_) return Front::none;
+  if (!has_threshold(next)) {
+    const auto here = tissue.locate(tip, Configuration::current);
+    if (here) region_ = tissue.region(*here);
+    return Front::none;
+  }
+  Real low = -0.1 * path_->spacing();
+  Real high = reach;
+  EmbeddedPoint at = *beyond;
+  while (high - low > 1e-6 * path_->spacing()) {
+    const Real middle = 0.5 * (low + high);
+    const auto p = tissue.locate(tip + middle * forward, Configuration::current);
+    if (p && tissue.region(*p) == next) {
+      high = middle;
+      at = *p;
+    } else {
+      low = middle;
+    }
+  }
+  touched_ = {.at = at,
+              .triangle = -1,
+              .position = tissue.position(at, Configuration::current),
+              .normal = -forward,
+              .distance = high};
+  return Front::layer;
+}
+
+bool Puncture::has_threshold(int region) const {
+  return region_value(region, regions_, region_thresholds_, -1) >= 0;
+}
+
+void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
+  block_ = {};
+  force_ = 0;
+  if (front_ == Front::none) return;
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const int region = tissue.region(touched_.at);
+  const Vec3 tip = thread.point(0, Configuration::current);
+
+  PunctureLaw::Params params;
+  params.normal = touched_.normal;
+  params.axis = -thread.tangent(0, Configuration::current);
+  params.fp =
+      front_ == Front::exit ? exit_threshold_
+                            : region_value(region, regions_, region_thresholds_, threshold_);
+  threshold_here_ = params.fp;
+  params.fc = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
+  // What goes in during the step of the puncture itself has no sample yet that could drag on it.
+  params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
+  params.mu = front_ == Front::layer ? 0 : friction_;
+
+  params.gap = touched_.normal.dot(tip - touched_.position);
+  const Vec3 free = (thread.point(0, Configuration::free) - tip) -
+                    (tissue.position(touched_.at, Configuration::free) - touched_.position);
+  block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)), params,
+                                    BlockVector<3>(free), PunctureLaw::free,
+                                    {.force = params.fp});
+  const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
+  PointJacobian J;
+  thread.jacobian(thread.embed(0), J);
+  builder.couple(block_, thread, world, J, tip);
+  tissue.jacobian(touched_.at, J);
+  builder.couple(block_, tissue, -world, J, tip);
+}
+
+void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
+  if (!block_.valid()) return;
+  force_ = touched_.normal.dot(solved.force(block_));
+  if (!PunctureLaw::is_penetrated(solved.mode(block_))) {
+    peak_force_ = std::max(peak_force_, force_);
+    return;
+  }
+  // The force of this step is the one after the fall; it fell from the threshold, where the event fires.
+  peak_force_ = std::max(peak_force_, threshold_here_);
+  ++count_;
+  Channel& channel = path_->channel();
+  switch (front_) {
+    case Front::entry:
+      channel.enter(touched_.at);
+      region_ = path_->tissue().region(touched_.at);
+      break;
+    case Front::layer:
+      region_ = path_->tissue().region(touched_.at);
+      break;
+    case Front::exit:
+      if (channel.tip_inside()) channel.leave(touched_.at);
+      break;
+    case Front::none:
+      break;
+  }
+}
+
+}  // namespace sutura

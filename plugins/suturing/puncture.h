@@ -1,0 +1,49 @@
+// Component Puncture: the tip presses on a tissue until the force threshold lets it through (paper, section 4.2).
+#pragma once
+
+#include <vector>
+
+#include "cutting.h"
+#include "path_friction.h"
+#include "suture_path.h"
+
+namespace sutura {
+
+class Puncture : public Component, public ConstraintSource {
+ public:
+  static constexpr const char* interface_name = "Puncture";
+  static void describe(Describe<Puncture>& d);
+  void initialise(Setup& setup) override;
+  void detect(const StepContext& context) override;
+  void build(const StepContext& context, ConstraintBuilder& builder) override;
+  void commit(const StepContext& context, const SolvedBlocks& solved) override;
+
+ private:
+  /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface from inside.
+  enum class Front { none, entry, layer, exit };
+  Front find_entry();
+  Front find_exit();
+  Front find_layer();
+  bool has_threshold(int region) const;
+
+  Link<SuturePath> path_;
+  Link<Cutting> cutting_;
+  Link<PathFriction> drag_;
+  Real threshold_ = 0.5;
+  Real exit_threshold_ = 0.5;
+  std::vector<Real> regions_;
+  std::vector<Real> region_thresholds_;
+  Real friction_ = 0.2;
+  Index source_id_ = 0;
+
+  Front front_ = Front::none;
+  SurfacePoint touched_;   ///< normal: out of what the tip would go into
+  int region_ = 0;         ///< of the layer the tip has got into
+  BlockId block_;
+  Real threshold_here_ = 0;  ///< of the front (N)
+  Index count_ = 0;       ///< punctures so far
+  Real force_ = 0;        ///< along the normal (N)
+  Real peak_force_ = 0;   ///< largest so far (N)
+};
+
+}  // namespace sutura

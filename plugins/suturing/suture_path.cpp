@@ -1,0 +1,125 @@
+#include "suture_path.h"
+
+#include <algorithm>
+
+#include "sutura/laws/bilateral.h"
+
+namespace sutura {
+namespace {
+
+constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
+
+}  // namespace
+
+void SuturePath::describe(Describe<SuturePath>& d) {
+  d.summary(
+      "Holds needle and thread in the channel they have made in a tissue: samples fixed in the tissue, created as the tip "
+      "advances and left as it retracts, free along the thread, bilateral across it.");
+  d.theory(
+      "At each sample P_j of the channel the thread has an abscissa s_j, found in order along the path. Two rows hold\n"
+      "delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N normal to the thread (paper, section 4.4). The rows use the\n"
+      "material point expected at the sample at the end of the step (abscissa plus the slip of the step before), so that a\n"
+      "curved needle slides without being straightened: the error left is kappa (slip - last slip)^2 / 2.");
+  d.link("thread", &SuturePath::thread_, "Needle and thread.");
+  d.link("tissue", &SuturePath::tissue_, "What they pass through.");
+  d.attribute("spacing", &SuturePath::spacing_, "m", above(0),
+              "Distance between samples along the channel.");
+  d.output("inserted_length", "m", "Length of needle and thread inside the tissue.",
+           [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
+  d.output("samples", "1", "Samples on the thread.",
+           [](const SuturePath& p) { return p.channel_ ? Real(p.channel_->passed()) : Real(0); });
+  d.output("tip_depth", "m", "Depth of the tip along the channel; 0 outside.",
+           [](const SuturePath& p) { return p.channel_ ? p.channel_->tip_depth() : Real(0); });
+  d.output("state", "", "Where the tip is: outside, cutting (at the end of the channel) or inside.",
+           [](const SuturePath& p) -> std::string {
+             if (!p.channel_ || !p.channel_->tip_inside()) return "outside";
+             return p.channel_->tip_at_end() ? "cutting" : "inside";
+           });
+  d.output("entry_abscissa", "m", "Abscissa of the thread at the first sample: what has gone in.",
+           [](const SuturePath& p) {
+             return p.channel_ && p.channel_->passed() > 0 ? p.channel_->samples().front().abscissa
+                                                          : Real(0);
+           });
+  d.output("lateral_force", "N", "Largest force across the thread over the samples.",
+           [](const SuturePath& p) { return p.lateral_force_; });
+  d.output("lateral_gap", "m", "Largest distance between the thread and its channel.",
+           [](const SuturePath& p) { return p.lateral_gap_; });
+}
+
+void SuturePath::initialise(Setup& setup) {
+  source_id_ = setup.source_id;
+  channel_.emplace(*thread_, *tissue_, spacing_);
+  crossings_.reserve(256);
+  blocks_.reserve(256);
+}
+
+Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real abscissa,
+                           Real slip) const {
+  Crossing c;
+  c.id = id;
+  c.abscissa = std::clamp(abscissa + slip, Real(0), thread_->length());
+  c.position = tissue_->position(at, Configuration::current);
+  const Vec3 tangent = thread_->tangent(c.abscissa, Configuration::current);
+  c.axes.row(0) = tangent;
+  c.axes.row(1) = tangent.unitOrthogonal();
+  c.axes.row(2) = tangent.cross(tangent.unitOrthogonal());
+  c.free = c.axes * (thread_->point(c.abscissa, Configuration::free) -
+                     tissue_->position(at, Configuration::free));
+  c.free.x() -= c.abscissa - abscissa;
+  thread_->jacobian(thread_->embed(c.abscissa), c.thread);
+  tissue_->jacobian(at, c.tissue);
+  return c;
+}
+
+void SuturePath::detect(const StepContext&) {
+  crossings_.clear();
+  tip_blocked_ = false;
+  const Channel& channel = *channel_;
+  for (std::size_t i = 0; i < channel.passed(); ++i) {
+    const PathSample& s = channel.samples()[i];
+    crossings_.push_back(cross(s.at, s.id, s.abscissa, s.slip));
+    crossings_.back().sample = i;
+    crossings_.back().length = channel.length_of(i);
+  }
+  sample_crossings_ = crossings_.size();
+  if (channel.tip_at_end()) {
+    // The end of the channel is where the tip is; the part of the needle that will be there at the end of the step has
+    // to follow it, or a curved needle would be led along its tangent.
+    const Real advance = std::max(channel.samples()[channel.passed() - 1].slip, Real(0));
+    crossings_.push_back(cross(channel.end(), end_of_channel, 0, advance));
+  }
+}
+
+void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
+  blocks_.clear();
+  for (std::size_t i = 0; i < crossings_.size(); ++i) {
+    const Crossing& c = crossings_[i];
+    const bool is_end = i == sample_crossings_;
+    if (is_end && tip_blocked_) break;
+    const BlockId block = builder.add<Bilateral<2>>(make_key(source_id_, c.id), {},
+                                                    BlockVector<2>(c.free.tail<2>()));
+    const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();
+    builder.couple(block, *thread_, across, c.thread, c.position);
+    builder.couple(block, *tissue_, -across, c.tissue, c.position);
+    blocks_.push_back(block);
+  }
+}
+
+void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
+  lateral_force_ = 0;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Real force = solved.lambda(blocks_[i]).norm();
+    lateral_force_ = std::max(lateral_force_, force);
+    if (i < sample_crossings_) channel_->sample(crossings_[i].sample).lateral_force = force;
+  }
+  channel_->update();
+  lateral_gap_ = 0;
+  for (std::size_t i = 0; i < channel_->passed(); ++i) {
+    const PathSample& s = channel_->samples()[i];
+    const Vec3 gap = thread_->point(s.abscissa, Configuration::current) -
+                     tissue_->position(s.at, Configuration::current);
+    lateral_gap_ = std::max(lateral_gap_, gap.norm());
+  }
+}
+
+}  // namespace sutura

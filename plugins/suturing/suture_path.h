@@ -1,0 +1,64 @@
+// Component SuturePath: keeps needle and thread inside the channel they have made (paper, section 4.4).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "channel.h"
+#include "sutura/constraints.h"
+#include "sutura/describe.h"
+
+namespace sutura {
+
+/// Where the thread crosses one sample of the channel in this step. Made in `detect`, used by every source on the path.
+struct Crossing {
+  std::size_t sample = 0;   ///< index into Channel::samples
+  std::uint64_t id = 0;     ///< of the sample; the end of the channel has an id of its own
+  Real abscissa = 0;        ///< of the material point expected at the sample at the end of the step (m)
+  Real length = 0;          ///< of channel it stands for (m)
+  Vec3 position = Vec3::Zero();
+  Mat3 axes = Mat3::Identity();  ///< rows: thread tangent (towards growing abscissa), two normals
+  Vec3 free = Vec3::Zero();      ///< thread point minus tissue point after free motion, along `axes` (m); the axial one is
+                                 ///< counted from the material point at the sample now: it is slip
+  PointJacobian thread;
+  PointJacobian tissue;
+};
+
+class SuturePath : public Component, public ConstraintSource {
+ public:
+  static constexpr const char* interface_name = "SuturePath";
+  static void describe(Describe<SuturePath>& d);
+  void initialise(Setup& setup) override;
+  void detect(const StepContext& context) override;
+  void build(const StepContext& context, ConstraintBuilder& builder) override;
+  void commit(const StepContext& context, const SolvedBlocks& solved) override;
+
+  const CurveBody& thread() const { return *thread_; }
+  const SolidBody& tissue() const { return *tissue_; }
+  Channel& channel() { return *channel_; }
+  const Channel& channel() const { return *channel_; }
+  /// One per sample on the thread, in the order of passage.
+  std::span<const Crossing> crossings() const { return {crossings_.data(), sample_crossings_}; }
+  Real spacing() const { return spacing_; }
+  /// A surface holds the tip from the inside: nothing is left to cut, the puncture law decides.
+  void set_tip_blocked(bool blocked) { tip_blocked_ = blocked; }
+  bool tip_blocked() const { return tip_blocked_; }
+
+ private:
+  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real abscissa, Real slip) const;
+
+  Link<CurveBody> thread_;
+  Link<SolidBody> tissue_;
+  Real spacing_ = 1e-3;
+  Index source_id_ = 0;
+  std::optional<Channel> channel_;
+  std::vector<Crossing> crossings_;  ///< samples on the thread, then the end of the channel if the tip is there
+  std::size_t sample_crossings_ = 0;
+  std::vector<BlockId> blocks_;
+  bool tip_blocked_ = false;
+  Real lateral_force_ = 0;  ///< largest over the samples (N)
+  Real lateral_gap_ = 0;    ///< largest distance thread - channel (m)
+};
+
+}  // namespace sutura

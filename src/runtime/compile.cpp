@@ -1,0 +1,118 @@
+// From the tree of a scene to the flat lists of a simulation.
+#include <algorithm>
+#include <map>
+
+#include "runtime/gauss_seidel_component.h"
+#include "sutura/simulation.h"
+
+namespace sutura {
+namespace {
+
+/// Components so that each comes after those it links to. A cycle is reported once.
+class InitialisationOrder {
+ public:
+  InitialisationOrder(const Scene& scene, Diagnostics& diagnostics)
+      : scene_(scene), diagnostics_(diagnostics) {
+    for (Component* c : scene.components()) visit(*c);
+  }
+  const std::vector<Component*>& components() const { return order_; }
+
+ private:
+  enum class Mark { open, done };
+
+  void visit(Component& c) {
+    if (const auto it = marks_.find(&c); it != marks_.end()) {
+      if (it->second == Mark::open) {
+        diagnostics_.error(c.location(), c.path(),
+                           "links form a circle through '" + c.path() + "'; one of them must go");
+      }
+      return;
+    }
+    marks_[&c] = Mark::open;
+    for (Component* target : scene_.links_of(c)) visit(*target);
+    marks_[&c] = Mark::done;
+    order_.push_back(&c);
+  }
+
+  const Scene& scene_;
+  Diagnostics& diagnostics_;
+  std::map<const Component*, Mark> marks_;
+  std::vector<Component*> order_;
+};
+
+}  // namespace
+
+Simulation::Simulation() = default;
+Simulation::~Simulation() = default;
+
+std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
+                                                const std::filesystem::path& output_directory,
+                                                Diagnostics& diagnostics) {
+  std::unique_ptr<Simulation> s(new Simulation);
+  s->scene_ = std::move(scene);
+  const std::vector<Component*> document = s->scene_->components();
+  const InitialisationOrder order(*s->scene_, diagnostics);
+  if (!diagnostics.ok()) return nullptr;
+
+  Setup setup{.diagnostics = diagnostics,
+              .scene_directory = s->scene_->file.parent_path(),
+              .output_directory = output_directory,
+              .dt = s->scene_->dt,
+              .gravity = s->scene_->gravity};
+  for (Component* c : order.components()) {
+    setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
+    c->initialise(setup);
+  }
+  if (!diagnostics.ok()) return nullptr;
+
+  std::vector<const Body*> bodies;
+  for (Component* c : document) {
+    if (auto* body = dynamic_cast<Body*>(c)) {
+      s->bodies_.push_back({c->path(), body});
+      bodies.push_back(body);
+      s->body_force_.push_back(VecX::Zero(body->dofs()));
+    }
+    if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
+    if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
+    if (auto* solver = dynamic_cast<ConstraintSolver*>(c)) {
+      if (s->solver_ != nullptr) {
+        diagnostics.error(c->location(), c->path(),
+                          "a second constraint solver; a scene has at most one");
+        return nullptr;
+      }
+      s->solver_ = solver;
+    }
+  }
+  if (s->solver_ == nullptr) {
+    auto solver = std::make_unique<GaussSeidel>();
+    s->solver_ = solver.get();
+    s->default_solver_ = std::move(solver);
+  }
+  // Sources commit after those they link to: a puncture finds the path already moved on.
+  for (Component* c : order.components()) {
+    if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
+  }
+  s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, std::move(bodies));
+  return s;
+}
+
+std::string Simulation::start_recording() {
+  recording_ = true;
+  for (Recorder* recorder : recorders_) {
+    std::string error = recorder->start(*this);
+    if (error.empty()) error = recorder->record(*this, report_);
+    if (!error.empty()) return record_error_ = error;
+  }
+  return {};
+}
+
+std::string Simulation::finish_recording() {
+  recording_ = false;
+  for (Recorder* recorder : recorders_) {
+    const std::string error = recorder->finish(*this);
+    if (record_error_.empty()) record_error_ = error;
+  }
+  return record_error_;
+}
+
+}  // namespace sutura

@@ -1,0 +1,82 @@
+// The time step: what happens, in which order. docs/step.md explains each stage.
+#include "base/stage_timer.h"
+#include "sutura/simulation.h"
+
+namespace sutura {
+
+const StepReport& Simulation::step() {
+  const StepContext context{.dt = scene_->dt,
+                            .time = report_.time,
+                            .step = report_.step,
+                            .gravity = scene_->gravity};
+  StageTimer timer(report_.seconds);
+
+  // Tracks and graspers say where the tools are at the end of the step.
+  timer.enter(Stage::inputs);
+  for (Driver* driver : drivers_) driver->drive(context);
+
+  // Every body alone, as if nothing touched it: A dv = b, x_free.
+  timer.enter(Stage::free_motion);
+  for (const NamedBody& b : bodies_) b.body->free_motion(context);
+
+  // Who might touch whom, from x and x_free.
+  timer.enter(Stage::detect);
+  for (ConstraintSource* source : sources_) source->detect(context);
+
+  // Rows: H, d_free, law, parameters, key.
+  timer.enter(Stage::build);
+  builder_->begin();
+  for (ConstraintSource* source : sources_) source->build(context, *builder_);
+  builder_->finish();
+  report_.blocks = static_cast<Index>(problem_.blocks.size());
+  report_.rows = problem_.rows();
+
+  // W = h^2 H A^-1 H^T, the sum over bodies.
+  timer.enter(Stage::compliance);
+  problem_.W.setZero(problem_.rows(), problem_.rows());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (problem_.bodies[i].size() > 0) {
+      bodies_[i].body->add_compliance(problem_.bodies[i], context.dt, problem_.W);
+    }
+  }
+
+  // lambda and the state of every block.
+  timer.enter(Stage::solve);
+  report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
+
+  // dv += h A^-1 H^T lambda; positions.
+  timer.enter(Stage::correct);
+  report_.finite = true;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    body_force_[i].setZero(bodies_[i].body->dofs());
+    problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
+    bodies_[i].body->correct(context, body_force_[i]);
+    report_.finite = report_.finite && bodies_[i].body->finite();
+  }
+
+  // Path points, punctures: the only place where topology changes. A state that is no longer finite
+  // is not searched.
+  timer.enter(Stage::commit);
+  if (report_.finite) {
+    const SolvedBlocks solved(problem_);
+    for (ConstraintSource* source : sources_) source->commit(context, solved);
+  }
+
+  report_.step = context.step + 1;
+  report_.time = static_cast<Real>(report_.step) * context.dt;
+
+  // Files. Read-only.
+  timer.enter(Stage::record);
+  for (Recorder* recorder : recorders_) {
+    if (recording_ && record_error_.empty()) record_error_ = recorder->record(*this, report_);
+  }
+  return report_;
+}
+
+double StepReport::total_seconds() const {
+  double sum = 0;
+  for (const double s : seconds) sum += s;
+  return sum;
+}
+
+}  // namespace sutura

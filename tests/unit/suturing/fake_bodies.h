@@ -1,0 +1,164 @@
+// The smallest bodies on which the suturing components can be judged by closed forms: a rigid straight needle moved by hand
+// and a rigid slab on a spring. Registered as components, so that the real scene, compile and step run.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "sutura/body.h"
+#include "sutura/describe.h"
+
+namespace sutura::testing {
+
+/// Straight, pointing down; its travel is a polyline in time, whatever pushes back.
+struct RigidNeedle : Component, CurveBody {
+  std::vector<Real> times{0}, travel{0};
+  Real start_height = 0, length_ = 0.1, radius_ = 0.25e-3, sideways = 0;
+  Real now_ = 0, free_ = 0;
+
+  static void describe(Describe<RigidNeedle>& d) {
+    d.summary("Rigid straight needle along -z.");
+    d.attribute("times", &RigidNeedle::times, "s", at_least(0), "Times of the key frames.");
+    d.attribute("travel", &RigidNeedle::travel, "m", any(), "Travel at those times.");
+    d.attribute("start_height", &RigidNeedle::start_height, "m", any(), "Height of the tip at travel 0.");
+    d.attribute("radius", &RigidNeedle::radius_, "m", above(0), "Radius.");
+    d.output("travel", "m", "Travel.", [](const RigidNeedle& n) { return n.now_; });
+  }
+  Real at(Real t) const {
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      if (t <= times[i]) {
+        const Real a = std::clamp((t - times[i - 1]) / (times[i] - times[i - 1]), 0., 1.);
+        return travel[i - 1] + a * (travel[i] - travel[i - 1]);
+      }
+    }
+    return travel.back();
+  }
+  Index dofs() const override { return 3; }
+  int width() const override { return 3; }
+  void free_motion(const StepContext& c) override { free_ = at(c.end()); }
+  Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
+    return point(p.weights[0], c);
+  }
+  void jacobian(const EmbeddedPoint&, PointJacobian& J) const override {
+    J.nodes = 1;
+    J.width = 3;
+    J.node[0] = 0;
+    J.coefficients = Mat3::Identity();
+  }
+  void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
+  void correct(const StepContext&, const VecX&) override { now_ = free_; }
+  Vec3 momentum() const override { return Vec3::Zero(); }
+  Real mass() const override { return 0; }
+  Real energy() const override { return 0; }
+  bool finite() const override { return true; }
+  BodyGeometry geometry() const override { return {}; }
+
+  Real length() const override { return length_; }
+  Real needle_length() const override { return length_; }
+  Real radius(Real) const override { return radius_; }
+  EmbeddedPoint embed(Real s) const override { return {0, {s, 0, 0, 0}}; }
+  Vec3 point(Real s, Configuration c) const override {
+    const Real t = c == Configuration::free ? free_ : c == Configuration::current ? now_ : 0;
+    return {sideways, 0, start_height - t + s};
+  }
+  Vec3 tangent(Real, Configuration) const override { return Vec3::UnitZ(); }
+  Pose frame(Real s, Configuration c) const override { return {point(s, c), Quat::Identity()}; }
+  Real closest_abscissa(const Vec3& p, Real, Real low, Real high, Configuration c) const override {
+    return std::clamp(p.z() - point(0, c).z(), low, high);
+  }
+  Index add_hold(Real) override { return 0; }
+  void set_hold(Index, const Pose&, const HoldStiffness&) override {}
+  void release_hold(Index) override {}
+  Wrench hold_wrench(Index) const override { return {}; }
+};
+
+/// Top at z = 0, as deep as `thickness`, wide without end; every point moves with one node on a spring.
+struct SpringSlab : Component, SolidBody {
+  Real stiffness = 300, mass_ = 1e-6, thickness = 1;
+  std::vector<Real> layers;  ///< depths at which the region number grows by one, from region 1
+  Vec3 u_ = Vec3::Zero(), v_ = Vec3::Zero(), free_ = Vec3::Zero(), dv_ = Vec3::Zero();
+  Real h_ = 0;
+
+  static void describe(Describe<SpringSlab>& d) {
+    d.summary("Rigid slab on a spring.");
+    d.attribute("stiffness", &SpringSlab::stiffness, "N/m", above(0), "Stiffness.");
+    d.attribute("mass", &SpringSlab::mass_, "kg", above(0), "Mass.");
+    d.attribute("thickness", &SpringSlab::thickness, "m", above(0), "Thickness.");
+    d.attribute("layers", &SpringSlab::layers, "m", above(0), "Depths of the layers under the first.");
+    d.output("force", "N", "Of the spring, upwards.",
+             [](const SpringSlab& s) { return -s.stiffness * s.u_.z(); });
+  }
+  const Vec3& shift(Configuration c) const {
+    static const Vec3 zero = Vec3::Zero();
+    return c == Configuration::free ? free_ : c == Configuration::current ? u_ : zero;
+  }
+  Real inverse() const { return 1 / (mass_ + h_ * h_ * stiffness); }
+  Index dofs() const override { return 3; }
+  int width() const override { return 3; }
+  void free_motion(const StepContext& c) override {
+    h_ = c.dt;
+    dv_ = inverse() * h_ * (-stiffness * u_ - h_ * stiffness * v_);
+    free_ = u_ + h_ * (v_ + dv_);
+  }
+  Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
+    return Vec3(p.weights[0], p.weights[1], p.weights[2]) + shift(c);
+  }
+  void jacobian(const EmbeddedPoint&, PointJacobian& J) const override {
+    J.nodes = 1;
+    J.width = 3;
+    J.node[0] = 0;
+    J.coefficients = Mat3::Identity();
+  }
+  void solve(Eigen::Ref<MatX> columns) const override { columns *= inverse(); }
+  void correct(const StepContext&, const VecX& force) override {
+    v_ += dv_ + h_ * inverse() * force;
+    u_ += h_ * v_;
+  }
+  Vec3 momentum() const override { return mass_ * v_; }
+  Real mass() const override { return mass_; }
+  Real energy() const override { return 0; }
+  bool finite() const override { return u_.allFinite(); }
+  BodyGeometry geometry() const override { return {}; }
+
+  static EmbeddedPoint embedded(const Vec3& material) {
+    return {0, {material.x(), material.y(), material.z(), 0}};
+  }
+  std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const override {
+    const Vec3 m = p - shift(c);
+    if (m.z() > 0 || m.z() < -thickness) return std::nullopt;
+    return embedded(m);
+  }
+  SurfacePoint face(const Vec3& p, bool top, Configuration c) const {
+    const Vec3 m = p - shift(c);
+    const Vec3 foot(m.x(), m.y(), top ? 0 : -thickness);
+    const Vec3 normal = top ? Vec3(0, 0, 1) : Vec3(0, 0, -1);
+    return {embedded(foot), top ? 0 : 1, foot + shift(c), normal, normal.dot(m - foot)};
+  }
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
+                                              Configuration c) const override {
+    const bool top = (p - shift(c)).z() > -0.5 * thickness;
+    SurfacePoint s = face(p, top, c);
+    if (std::abs(s.distance) > reach) return std::nullopt;
+    return s;
+  }
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
+                                       Configuration c) const override {
+    for (const bool top : {true, false}) {
+      const Real level = (top ? 0 : -thickness) + shift(c).z();
+      if ((a.z() - level) * (b.z() - level) < 0) {
+        return face(a + (b - a) * (level - a.z()) / (b.z() - a.z()), top, c);
+      }
+    }
+    return std::nullopt;
+  }
+  Vec3 surface_normal(Index triangle, Configuration) const override {
+    return triangle == 0 ? Vec3(0, 0, 1) : Vec3(0, 0, -1);
+  }
+  int region(const EmbeddedPoint& p) const override {
+    int r = 1;
+    for (const Real depth : layers) r += -p.weights[2] > depth;
+    return r;
+  }
+};
+
+}  // namespace sutura::testing
