@@ -1,0 +1,14 @@
+// The plugin "output": files for ParaView and for plots.
+#include "sutura/plugin.h"
+
+#include "csv_probe.h"
+#include "vtu_recorder.h"
+
+namespace {
+void enrol_output(sutura::Registry& registry) {
+  registry.component<sutura::output::VtuRecorder>("VtuRecorder");
+  registry.component<sutura::output::CsvProbe>("CsvProbe");
+}
+}  // namespace
+
+SUTURA_PLUGIN(output, "0.1.0", "Apache-2.0", enrol_output)

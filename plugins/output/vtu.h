@@ -1,0 +1,59 @@
+// VTK's XML format for unstructured grids (.vtu), and its index over time (.pvd).
+//
+// Arrays are "binary" in VTK's sense: base64 of a 64 bit byte count and the little-endian numbers,
+// in the place where the array is declared. ParaView, VTK and meshio read it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output_file.h"
+#include "sutura/body.h"
+
+namespace sutura::output {
+
+/// RFC 4648, with padding.
+std::string base64(std::span<const unsigned char> bytes);
+
+/// Replaces the five characters that XML reserves.
+std::string xml_escape(std::string_view text);
+
+/// What a cell of a .vtu is made of; the values are VTK's.
+enum class VtkCell : std::uint8_t { vertex = 1, line = 3, tetrahedron = 10 };
+
+/// One grid. Fields must have components * (points or cells) values.
+struct VtuGrid {
+  VtkCell cell = VtkCell::vertex;
+  std::vector<Vec3> points;
+  std::vector<Index> connectivity;
+  std::vector<BodyGeometry::Field> fields;
+  /// Whole numbers about the grid as a whole: name and value.
+  std::vector<std::pair<std::string, int>> constants;
+};
+
+int nodes_per_cell(VtkCell cell);
+
+/// The text of the file. `time` (s) is stored as the field TimeValue that ParaView shows.
+std::string vtu_text(const VtuGrid& grid, Real time);
+
+/// What keeps the grid from being written (a field of wrong length, an index out of range), in a
+/// sentence, or empty.
+std::string check(const VtuGrid& grid);
+
+/// A .pvd: the list of files of one thing over time. Well-formed after every `add`.
+class PvdFile {
+ public:
+  std::string open(const std::filesystem::path& file);
+  /// `dataset` is relative to the folder of the .pvd.
+  std::string add(Real time, const std::filesystem::path& dataset);
+  std::string close() { return file_.close(); }
+
+ private:
+  OutputFile file_;
+};
+
+}  // namespace sutura::output

@@ -1,0 +1,115 @@
+#include "vtu_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sutura::output {
+namespace {
+
+VtuGrid grid_of(BodyGeometry geometry) {
+  VtuGrid grid;
+  grid.cell = geometry.cell == BodyGeometry::Cell::line ? VtkCell::line : VtkCell::tetrahedron;
+  grid.points = std::move(geometry.points);
+  grid.connectivity = std::move(geometry.connectivity);
+  grid.fields = std::move(geometry.fields);
+  return grid;
+}
+
+std::string step_digits(Index step) {
+  std::string digits = std::to_string(step);
+  return digits.size() < 6 ? std::string(6 - digits.size(), '0') + digits : digits;
+}
+
+}  // namespace
+
+std::string file_name_of(const std::string& path, const std::vector<std::string>& taken) {
+  std::string name = path.substr(std::min(path.find_first_not_of('/'), path.size()));
+  std::replace(name.begin(), name.end(), '/', '_');
+  std::string unique = name;
+  for (int i = 2; std::find(taken.begin(), taken.end(), unique) != taken.end(); ++i) {
+    unique = name + "_" + std::to_string(i);
+  }
+  return unique;
+}
+
+void VtuRecorder::describe(Describe<VtuRecorder>& d) {
+  d.summary(
+      "Writes the shape and the fields of every body, and the constraint forces, as .vtu files "
+      "with a "
+      ".pvd index each, for ParaView, VTK or meshio.");
+  d.theory(
+      "In the output folder: `BODY.pvd` and `BODY/BODY_000012.vtu` for each body (the number is "
+      "the "
+      "step), `constraints.pvd` and `constraints/...` for the forces: one vertex per block with "
+      "`force [N]` on the first body of the block, the norms `lambda [N]` and `delta [m]` over its "
+      "rows, "
+      "`mode` and `law`. Field data named like `law 0 is puncture` tell the numbers of laws; they "
+      "hold "
+      "for the whole run. A .pvd is complete after every record, so a run that is cut off can be "
+      "looked at.");
+  d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
+  d.attribute("interval", &VtuRecorder::interval_, "s", at_least(0),
+              "Time between records; 0: by steps, as 'every' says.");
+}
+
+void VtuRecorder::initialise(Setup& setup) {
+  directory_ = setup.output_directory;
+}
+
+std::string VtuRecorder::start(const Simulation& simulation) {
+  for (const Component* other : simulation.scene().components()) {
+    if (other == this) break;
+    if (dynamic_cast<const VtuRecorder*>(other) != nullptr) {
+      return path() + " would overwrite the files of " + other->path() +
+             "; expected one VtuRecorder in a scene";
+    }
+  }
+  bodies_.clear();
+  laws_ = {};
+  next_time_ = 0;
+  std::vector<std::string> taken{"constraints"};
+  for (const Simulation::NamedBody& b : simulation.bodies()) {
+    taken.push_back(file_name_of(b.path, taken));
+    bodies_.push_back({taken.back(), {}});
+  }
+  constraints_.name = "constraints";
+  for (Series& s : bodies_) {
+    if (std::string e = s.pvd.open(directory_ / (s.name + ".pvd")); !e.empty()) return e;
+  }
+  return constraints_.pvd.open(directory_ / (constraints_.name + ".pvd"));
+}
+
+bool VtuRecorder::due(const StepReport& report) {
+  if (interval_ <= 0) return report.step % every_ == 0;
+  // A millionth of the interval forgives the rounding of times that are sums of steps.
+  if (report.time < next_time_ - 1e-6 * interval_) return false;
+  next_time_ = (std::floor(report.time / interval_ + 1e-6) + 1) * interval_;
+  return true;
+}
+
+std::string VtuRecorder::record(const Simulation& simulation, const StepReport& report) {
+  if (!due(report)) return {};
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const VtuGrid grid = grid_of(simulation.bodies()[i].body->geometry());
+    if (std::string e = write(bodies_[i], grid, report); !e.empty()) return e;
+  }
+  return write(constraints_, constraint_grid(simulation.problem(), laws_), report);
+}
+
+std::string VtuRecorder::write(Series& series, const VtuGrid& grid, const StepReport& report) {
+  if (const std::string wrong = check(grid); !wrong.empty()) return series.name + ": " + wrong;
+  const std::filesystem::path file =
+      std::filesystem::path(series.name) / (series.name + "_" + step_digits(report.step) + ".vtu");
+  std::string error = write_file(directory_ / file, vtu_text(grid, report.time));
+  return error.empty() ? series.pvd.add(report.time, file) : error;
+}
+
+std::string VtuRecorder::finish(const Simulation&) {
+  std::string error = constraints_.pvd.close();
+  for (Series& s : bodies_) {
+    if (std::string e = s.pvd.close(); error.empty()) error = std::move(e);
+  }
+  return error;
+}
+
+}  // namespace sutura::output

@@ -1,0 +1,29 @@
+// When a grasper is closed: alternating times of grasp and release.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sutura/types.h"
+
+namespace sutura::tools {
+
+class GraspSchedule {
+ public:
+  /// Grasps and releases alternate, a grasp first; the last grasp may have no release.
+  /// Requires check(...) to be empty.
+  GraspSchedule() = default;
+  GraspSchedule(const std::vector<Real>& grasps, const std::vector<Real>& releases);
+
+  /// What is wrong with the times, in a sentence, or empty.
+  static std::string check(const std::vector<Real>& grasps, const std::vector<Real>& releases);
+
+  /// Number of events up to and including `time`: odd while closed. An event within `slack` (s)
+  /// after `time` counts, so that a step that begins at 0.1 + 0.2 s sees the event at 0.3 s.
+  Index events_until(Real time, Real slack) const;
+
+ private:
+  std::vector<Real> events_;
+};
+
+}  // namespace sutura::tools

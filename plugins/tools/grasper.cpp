@@ -1,0 +1,82 @@
+#include "grasper.h"
+
+#include "sutura/units.h"
+
+namespace sutura::tools {
+namespace {
+
+Pose compose(const Pose& a, const Pose& b) {
+  return {a.position + a.rotation * b.position, (a.rotation * b.rotation).normalized()};
+}
+
+Pose inverse(const Pose& a) {
+  const Quat back = a.rotation.conjugate();
+  return {-(back * a.position), back};
+}
+
+}  // namespace
+
+void Grasper::describe(Describe<Grasper>& d) {
+  d.summary(
+      "Jaws that close on one section of a needle or thread at stated times and carry it along a "
+      "track "
+      "until they let go.");
+  d.theory(
+      "When the jaws close, at the start of the first step at or after the time of grasp, the pose "
+      "of "
+      "the section relative to the tool is recorded, so nothing jumps. While they are closed the "
+      "section is tied to *tool pose at the end of the step* times *that relative pose* by the "
+      "implicit spring of CurveBody::set_hold: six stiffnesses, three in translation and three in "
+      "rotation. The force read out is what this spring applied to the curve over the step.");
+  d.link("body", &Grasper::body_, "The needle and thread.");
+  d.link("track", &Grasper::track_, "The motion of the tool.");
+  d.attribute("at", &Grasper::at_, "m", at_least(0),
+              "Abscissa of the section that the jaws hold, from the needle tip.");
+  d.attribute("grasp", &Grasper::grasp_, "s", at_least(0), "Times at which the jaws close.");
+  d.attribute("release", &Grasper::release_, "s", at_least(0),
+              "Times at which they open; one less than grasps: they hold on.");
+  d.attribute("stiffness", &Grasper::stiffness_, "N/m", above(0), "Of the grip, in translation.");
+  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", at_least(0),
+              "Of the grip, in rotation; 0 lets the section turn in the jaws.");
+  d.output("force", "N", "Force of the jaws on the curve over the last step.",
+           [](const Grasper& g) -> Vec3 { return g.wrench().force; });
+  d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
+           [](const Grasper& g) -> Vec3 { return g.wrench().moment; });
+  d.output("holding", "1", "1 while the jaws are closed, else 0.",
+           [](const Grasper& g) -> Real { return g.holding() ? 1 : 0; });
+  d.output("target", "m", "Where the jaws want the section; where they let go while they are open.",
+           [](const Grasper& g) -> Vec3 { return g.target_.position; });
+}
+
+void Grasper::initialise(Setup& setup) {
+  if (at_ > body_->length()) {
+    setup.error(*this, "'at' is " + format_real(at_) +
+                           " m; expected an abscissa on 'body', which is " +
+                           format_real(body_->length()) + " m long");
+    return;
+  }
+  if (const std::string wrong = GraspSchedule::check(grasp_, release_); !wrong.empty()) {
+    setup.error(*this, wrong);
+    return;
+  }
+  schedule_ = GraspSchedule(grasp_, release_);
+  hold_ = body_->add_hold(at_);
+  target_ = body_->frame(at_, Configuration::current);
+}
+
+void Grasper::drive(const StepContext& context) {
+  const Index events = schedule_.events_until(context.time, 1e-6 * context.dt);
+  const bool changed = events != events_;
+  events_ = events;
+  if (!holding()) {
+    if (changed) body_->release_hold(hold_);
+    return;
+  }
+  if (changed) {
+    grip_ = compose(inverse(track_->at(context.time)), body_->frame(at_, Configuration::current));
+  }
+  target_ = compose(track_->at(context.end()), grip_);
+  body_->set_hold(hold_, target_, {stiffness_, rotation_stiffness_});
+}
+
+}  // namespace sutura::tools

@@ -1,0 +1,14 @@
+// The plugin "tools": what the surgeon holds.
+#include "sutura/plugin.h"
+
+#include "grasper.h"
+#include "track.h"
+
+namespace {
+void enrol_tools(sutura::Registry& registry) {
+  registry.component<sutura::tools::Track>("Track");
+  registry.component<sutura::tools::Grasper>("Grasper");
+}
+}  // namespace
+
+SUTURA_PLUGIN(tools, "0.1.0", "Apache-2.0", enrol_tools)

@@ -1,0 +1,94 @@
+#include "track.h"
+
+#include "key_frame_file.h"
+
+namespace sutura::tools {
+
+void Track::describe(Describe<Track>& d) {
+  d.summary(
+      "The motion of a tool over time, from key frames written in the scene or read from a CSV "
+      "file. "
+      "Before the first key and after the last the tool rests.");
+  d.theory(
+      "At time *t* the track moves a point *x* of the tool to *centre + R(t) (x - centre) + p(t)*. "
+      "A key gives *p* (positions) and *R* (rotations: axis times angle). Between two keys *p* is "
+      "interpolated along a line and *R* by slerp, turning through the angle closest to the "
+      "difference of the two rotation vectors, so keys about one axis may lie more than half a "
+      "turn "
+      "apart.\n\n"
+      "The header of the CSV file names columns and units in any order: "
+      "`t [s], x [mm], y [mm], z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is "
+      "left "
+      "out is zero.");
+  d.attribute("times", &Track::times_, "s", any(), "Times of the keys, increasing.");
+  d.attribute("positions", &Track::positions_, "m", any(),
+              "Translation at each key, x y z one after the other; left out: none.");
+  d.attribute("rotations", &Track::rotations_, "rad", any(),
+              "Rotation vector at each key, x y z one after the other; left out: none.");
+  d.attribute("file", &Track::file_, "CSV file with the keys, instead of times.");
+  d.attribute("centre", &Track::centre_, "m", any(),
+              "Rotations turn about this point: the centre of the needle's arc, say.");
+  d.attribute("easing", &Track::easing_, {"linear", "smooth"},
+              "Pace between two keys: constant speed, or at rest at every key (3u^2 - 2u^3).");
+  d.output("position", "m", "Translation p of the motion plus the centre.",
+           [](const Track& t) -> Vec3 { return t.now_.position + t.now_.rotation * t.centre_; });
+}
+
+void Track::initialise(Setup& setup) {
+  std::vector<KeyFrame> keys;
+  if (file_.path.empty()) {
+    keys = keys_from_attributes(setup);
+  } else if (!times_.empty() || !positions_.empty() || !rotations_.empty()) {
+    setup.error(*this, "keys are given twice, by 'file' and by 'times'; expected one of them");
+  } else {
+    keys = keys_from_file(setup);
+  }
+  if (keys.empty()) return;  // reported above
+  if (const std::string wrong = KeyFrames::check(keys); !wrong.empty()) {
+    setup.error(*this, wrong);
+    return;
+  }
+  frames_ = KeyFrames(std::move(keys), centre_, easing_);
+  now_ = frames_.at(0);
+}
+
+std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {
+  const std::size_t n = times_.size();
+  if (n == 0) {
+    setup.error(
+        *this,
+        "no key frames; expected 'times' (with 'positions' or 'rotations') or 'file'");
+    return {};
+  }
+  bool fits = true;
+  const auto check = [&](const std::vector<Real>& list, const char* name) {
+    if (list.empty() || list.size() == 3 * n) return;
+    fits = false;
+    setup.error(*this, "'" + std::string(name) + "' has " + std::to_string(list.size()) +
+                           " numbers; expected three for each of the " + std::to_string(n) +
+                           " times, " + std::to_string(3 * n));
+  };
+  check(positions_, "positions");
+  check(rotations_, "rotations");
+  if (!fits) return {};
+  const auto triple = [](const std::vector<Real>& list, std::size_t i) {
+    return list.empty() ? Vec3(Vec3::Zero()) : Vec3(list[3 * i], list[3 * i + 1], list[3 * i + 2]);
+  };
+  std::vector<KeyFrame> keys(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    keys[i] = {times_[i], triple(positions_, i), triple(rotations_, i)};
+  }
+  return keys;
+}
+
+std::vector<KeyFrame> Track::keys_from_file(Setup& setup) {
+  const std::filesystem::path file = setup.resolve(file_.path);
+  std::vector<FileProblem> problems;
+  std::vector<KeyFrame> keys = read_key_frames(file, problems);
+  for (const FileProblem& p : problems) {
+    setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
+  }
+  return keys;
+}
+
+}  // namespace sutura::tools

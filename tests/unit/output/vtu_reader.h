@@ -1,0 +1,73 @@
+// A reader of .vtu arrays that shares nothing with the writer: base64 by table look-up, arrays by
+// the text between their tags.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace sutura::output {
+
+struct VtuArray {
+  std::string type;
+  std::string bytes;
+
+  template <class T>
+  std::vector<T> numbers() const {
+    const std::map<std::string, std::size_t> sizes{
+        {"Float64", 8}, {"Int64", 8}, {"Int32", 4}, {"UInt8", 1}};
+    if (sizes.at(type) != sizeof(T)) throw std::runtime_error("array holds " + type);
+    std::vector<T> out(bytes.size() / sizeof(T));
+    std::memcpy(out.data(), bytes.data(), out.size() * sizeof(T));
+    return out;
+  }
+};
+
+inline std::string decode_base64(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  int bits = 0;
+  unsigned buffer = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    const auto value = digits.find(c);
+    if (value == std::string::npos) throw std::runtime_error("not base64");
+    buffer = buffer << 6 | static_cast<unsigned>(value);
+    bits += 6;
+    if (bits >= 8) {
+      bits -= 8;
+      out += static_cast<char>(buffer >> bits & 255);
+    }
+  }
+  return out;
+}
+
+inline std::string attribute(const std::string& tag, const std::string& name) {
+  const auto at = tag.find(" " + name + "=\"");
+  if (at == std::string::npos) return {};
+  const auto from = at + name.size() + 3;
+  return tag.substr(from, tag.find('"', from) - from);
+}
+
+/// Every DataArray by its Name (as written, not unescaped).
+inline std::map<std::string, VtuArray> read_vtu_arrays(const std::string& text) {
+  std::map<std::string, VtuArray> arrays;
+  for (auto at = text.find("<DataArray"); at != std::string::npos;
+       at = text.find("<DataArray", at + 1)) {
+    const auto end_of_tag = text.find('>', at);
+    const std::string tag = text.substr(at, end_of_tag - at);
+    const auto end = text.find("</DataArray>", end_of_tag);
+    const std::string bytes = decode_base64(text.substr(end_of_tag + 1, end - end_of_tag - 1));
+    std::uint64_t size = 0;
+    if (bytes.size() < 8) throw std::runtime_error("no byte count");
+    std::memcpy(&size, bytes.data(), 8);
+    if (size != bytes.size() - 8) throw std::runtime_error("byte count is wrong");
+    arrays[attribute(tag, "Name")] = {attribute(tag, "type"), bytes.substr(8)};
+  }
+  return arrays;
+}
+
+}  // namespace sutura::output
