@@ -11,7 +11,6 @@ void enrol(sutura::Registry& registry) {
   registry.component<sutura::Tissue>("Tissue");
   registry.component<sutura::Layer>("Layer");
   registry.component<sutura::Attach>("Attach");
-  sutura::enrol_tissue_solvers(registry);
 }
 
 }  // namespace

@@ -32,6 +32,8 @@ class TissueSolver {
   /// whose compliance will be asked for.
   virtual void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                        std::span<const Index> candidates) = 0;
+  /// False if `prepare` makes no use of rotations and may be given none.
+  virtual bool wants_rotations() const { return true; }
   /// The matrix of this step (kept by reference until the next call, never written) and the
   /// rotation of the material around each node, from rest to now.
   virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) = 0;
