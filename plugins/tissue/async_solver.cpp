@@ -75,19 +75,29 @@ std::unique_ptr<SnapshotFactor> AsyncSolver::take_snapshot() {
 bool AsyncSolver::wants_new_factor() const {
   if (!current_) return false;  // factorise_here has just failed on this very matrix
   if (current_->snapshot->step == step_) return false;
+  if (!options_.replay.empty())
+    return std::any_of(options_.replay.begin(), options_.replay.end(), [&](const Adoption& a) {
+      return a.snapshot == step_ && a.step > a.snapshot;
+    });
   return last_iterations_ > options_.refactor_iterations ||
          step_ - current_->snapshot->step >= options_.max_age;
 }
 
+bool AsyncSolver::is_due() const {
+  if (!options_.replay.empty())
+    return std::find(options_.replay.begin(), options_.replay.end(),
+                     Adoption{step_, in_flight_->step}) != options_.replay.end();
+  return options_.lag < 0 || step_ >= in_flight_->step + options_.lag;
+}
+
 void AsyncSolver::adopt_what_is_due() {
-  if (!in_flight_) return;
-  const bool fixed_lag = options_.lag >= 0;
-  if (fixed_lag && step_ < in_flight_->step + options_.lag) return;
+  if (!in_flight_ || !is_due()) return;
   std::unique_ptr<SnapshotFactor> fresh;
   if (!worker_lost_)
-    fresh = worker_->take(std::chrono::duration<double>(fixed_lag ? options_.patience : 0));
+    fresh = worker_->take(
+        std::chrono::duration<double>(adoption_is_fixed() ? options_.patience : 0));
   if (!fresh) {
-    if (!fixed_lag) return;
+    if (!adoption_is_fixed()) return;
     if (worker_lost_) {
       fresh = std::move(postponed_);
     } else {

@@ -13,6 +13,12 @@
 
 namespace sutura {
 
+/// Step at which a factor was adopted, and the step of its snapshot.
+struct Adoption {
+  Index step, snapshot;
+  bool operator==(const Adoption&) const = default;
+};
+
 struct AsyncOptions {
   FactorBackend backend = default_backend();
   Real tolerance = 1e-4;        ///< |b - A x| / |b|
@@ -20,9 +26,12 @@ struct AsyncOptions {
   /// -1: a factor is adopted in the first step that finds it ready. k >= 0: exactly k steps after its
   /// snapshot, waiting for it if need be, so that a run can be repeated bit by bit.
   Index lag = -1;
+  /// Not empty: snapshots and adoptions happen exactly as in this log of an earlier run with lag -1
+  /// (AsyncSolver::adoptions), whose results are then repeated bit by bit.
+  std::vector<Adoption> replay;
   Index refactor_iterations = 2;  ///< a step that needed more asks for a new factor
   Index max_age = 200;            ///< steps; an older factor is replaced anyway, and called stale
-  /// With `lag` >= 0: how long to wait for the worker (s) before factorising its snapshot here. The
+  /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot here. The
   /// result is the same.
   Real patience = 10;
   FactorWorker::Hook hook;  ///< for tests
@@ -44,11 +53,6 @@ class AsyncSolver : public TissueSolver {
   Mat3 compliance_block(Index i, Index j) const override;
   const TissueSolveReport& report() const override { return report_; }
 
-  /// Step at which each factor was adopted, and the step of its snapshot.
-  struct Adoption {
-    Index step, snapshot;
-    bool operator==(const Adoption&) const = default;
-  };
   const std::vector<Adoption>& adoptions() const { return adoptions_; }
 
  private:
@@ -57,6 +61,8 @@ class AsyncSolver : public TissueSolver {
   void adopt_what_is_due();
   bool factorise_here();
   bool wants_new_factor() const;
+  bool adoption_is_fixed() const { return options_.lag >= 0 || !options_.replay.empty(); }
+  bool is_due() const;
   const Preconditioner& preconditioner();
 
   AsyncOptions options_;
