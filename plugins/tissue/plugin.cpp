@@ -1,5 +1,6 @@
 #include "attach.h"
 #include "layer.h"
+#include "solver_components.h"
 #include "sutura/plugin.h"
 #include "tet_mesh.h"
 #include "tissue.h"
@@ -11,6 +12,7 @@ void enrol(sutura::Registry& registry) {
   registry.component<sutura::Tissue>("Tissue");
   registry.component<sutura::Layer>("Layer");
   registry.component<sutura::Attach>("Attach");
+  sutura::enrol_tissue_solvers(registry);
 }
 
 }  // namespace
