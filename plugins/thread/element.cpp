@@ -200,6 +200,39 @@ void step_stiffness(const ElementRest& r, const ElementState& s, ElementMatrix& 
   k.ab = c2 * p - tt + ga * gb.transpose();
 }
 
+namespace {
+
+/// Gradient of e.c, c carried by the section whose spin starts at `block`.
+Vec9 tilt_gradient(const ElementState& s, const Vec3& c, int block) {
+  Vec9 g = Vec9::Zero();
+  g.head<3>() = (c - c.dot(s.e) * s.e) / s.l;
+  g.segment<3>(block) = c.cross(s.e);
+  return g;
+}
+
+/// Gradient of m = c_a.c_b.
+Vec9 angle_gradient(const ElementState& s) {
+  Vec9 g = Vec9::Zero();
+  g.segment<3>(3) = s.ca.cross(s.cb);
+  g.segment<3>(6) = -g.segment<3>(3);
+  return g;
+}
+
+}  // namespace
+
+Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
+  const Vec9 gmu_a = tilt_gradient(s, s.ca, 3), gmu_b = tilt_gradient(s, s.cb, 6);
+  Vec9 g = ((-4 * s.ga + s.gb * (s.dga * s.product + s.ga * (1 - s.xb))) * gmu_a +
+            (-4 * s.gb + s.ga * (s.dgb * s.product + s.gb * (1 - s.xa))) * gmu_b -
+            s.ga * s.gb * angle_gradient(s)) / 30;
+  if (r.curved) {
+    g += (s.ga * tilt_gradient(s, s.na, 3) - s.dga * s.e.dot(s.na) * gmu_a +
+          s.gb * tilt_gradient(s, s.nb, 6) - s.dgb * s.e.dot(s.nb) * gmu_b) / 30;
+  }
+  g.head<3>() += s.e / r.length;
+  return g;
+}
+
 void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   const ScalarGradient d = scalar_gradient(r, s);
   const Real nl = s.tension * r.length / 30;
@@ -210,17 +243,9 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   const Mat3 I = Mat3::Identity();
   k.setZero();
 
-  // Gradients of the scalars.
-  const auto tilt = [&](const Vec3& c, int block) {
-    Vec9 g = Vec9::Zero();
-    g.head<3>() = (c - c.dot(s.e) * s.e) / s.l;
-    g.segment<3>(block) = c.cross(s.e);
-    return g;
-  };
-  const Vec9 gmu_a = tilt(s.ca, 3), gmu_b = tilt(s.cb, 6);
-  Vec9 gm = Vec9::Zero(), gphi = Vec9::Zero();
-  gm.segment<3>(3) = s.ca.cross(s.cb);
-  gm.segment<3>(6) = -gm.segment<3>(3);
+  const Vec9 gmu_a = tilt_gradient(s, s.ca, 3), gmu_b = tilt_gradient(s, s.cb, 6);
+  const Vec9 gm = angle_gradient(s), ge = strain_gradient(r, s);
+  Vec9 gphi = Vec9::Zero();
   gphi.segment<3>(6) = s.twist_axis;
   gphi.segment<3>(3) = -s.twist_axis;
 
@@ -236,12 +261,6 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   sym(-2 * ur * s.dga * s.gb, gmu_a, gm);
   sym(-2 * ur * s.ga * s.dgb, gmu_b, gm);
   sym(r.torsion, gphi, gphi);
-
-  // Strain: gradient by the same chain rule with up = 2/30, ur = -1/30.
-  Vec9 ge = ((-4 * s.ga + s.gb * (s.dga * pr + s.ga * mu_b)) * gmu_a +
-             (-4 * s.gb + s.ga * (s.dgb * pr + s.gb * mu_a)) * gmu_b - s.ga * s.gb * gm) /
-            30;
-  ge.head<3>() += s.e / r.length;
 
   // Curvature of the scalars themselves.
   const auto tilt_curvature = [&](Real c, const Vec3& dir, int block) {
@@ -259,9 +278,8 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   tilt_curvature(d.mu_a, s.ca, 3);
   tilt_curvature(d.mu_b, s.cb, 6);
   if (r.curved) {
-    const Vec9 gnu_a = tilt(s.na, 3), gnu_b = tilt(s.nb, 6);
+    const Vec9 gnu_a = tilt_gradient(s, s.na, 3), gnu_b = tilt_gradient(s, s.nb, 6);
     const Real nu_a = s.e.dot(s.na), nu_b = s.e.dot(s.nb);
-    ge += (s.ga * gnu_a - s.dga * nu_a * gmu_a + s.gb * gnu_b - s.dgb * nu_b * gmu_b) / 30;
     sym(nl * ddga * nu_a, gmu_a, gmu_a);
     sym(nl * ddgb * nu_b, gmu_b, gmu_b);
     sym(-2 * nl * s.dga, gmu_a, gnu_a);

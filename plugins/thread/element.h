@@ -67,6 +67,9 @@ struct ElementGradient {
 };
 ElementGradient gradient(const ElementRest& rest, const ElementState& state);
 
+/// d eps / d (v, spin_a, spin_b).
+Vec9 strain_gradient(const ElementRest& rest, const ElementState& state);
+
 /// Symmetric 9 x 9 in blocks over (v, spin_a, spin_b).
 struct ElementMatrix {
   Mat3 vv, va, vb, aa, ab, bb;

@@ -79,8 +79,10 @@ class Rod {
   /// the full tangent, shifted where it is indefinite. Holds act as springs. Velocity becomes zero.
   StaticReport equilibrium(const Vec3& gravity, const VecX& load, Real tolerance = 1e-10,
                            int max_iterations = 200);
-  /// The full static tangent at the current state (clamps applied), in `matrix`, for stability tests.
-  void assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix) const;
+
+  /// The full static tangent at the current state (clamps applied); `tension` replaces that of the beams.
+  void assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
+                        const std::vector<Real>* tension = nullptr) const;
 
   Real mass() const;
   Real elastic_energy() const;
@@ -98,6 +100,7 @@ class Rod {
                      bool first);
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
+  Real limit_step(const VecX& step) const;
   void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
 
   std::vector<Real> abscissa_;

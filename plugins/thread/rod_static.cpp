@@ -39,7 +39,8 @@ void Rod::static_residual(const Vec3& gravity, const VecX& load, VecX& residual,
   for (const Index node : clamped_) residual.segment<6>(6 * node).setZero();
 }
 
-void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix) const {
+void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
+                           const std::vector<Real>* tension) const {
   matrix.resize(nodes());
   matrix.set_zero();
   ElementState s;
@@ -47,6 +48,7 @@ void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix) const 
   for (Index e = 0; e < beams(); ++e) {
     const ElementRest& r = elements_[e];
     element_state(e, s);
+    if (tension) s.tension = (*tension)[e];
     hessian(r, s, k9);
     const auto hang = [&](const Vec3& t, Real sign, int block) {
       const Vec3 w = r.mass * gravity;
@@ -71,72 +73,75 @@ void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix) const 
     for (int d = 0; d < 6; ++d) matrix.fix(node, d);
 }
 
+Real Rod::limit_step(const VecX& step) const {
+  Real largest = 0;
+  for (Index e = 0; e < beams(); ++e) {
+    const Vec3 span = pose_[e + 1].position - pose_[e].position;
+    const Real l = span.norm();
+    const Vec3 axis = span / l;
+    const Vec3 chord = axis.cross(step.segment<3>(6 * e + 6) - step.segment<3>(6 * e)) / l;
+    largest = std::max({largest, chord.norm(), axis.cross(step.segment<3>(6 * e + 3)).norm(),
+                        axis.cross(step.segment<3>(6 * e + 9)).norm()});
+  }
+  constexpr Real limit = 0.5;  // rad: inside it the second-order model of a beam is good
+  return largest > limit ? limit / largest : 1;
+}
+
+// Newton with the tension as an unknown of its own, condensed beam by beam: the right-hand side is that of
+// the displacement form, but the geometric stiffness takes the tension predicted by the last step,
+// EA (strain + strain gradient . step), and not the one that the second-order stretch of a finite
+// rotation fakes. It needs no line search where the displacement form creeps (a thread is almost
+// inextensible); turning is limited to half a radian per step.
 Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real tolerance,
                                    int max_iterations) {
   const Real spacing = abscissa_.back() / static_cast<Real>(beams());
+  const Real unit_stiffness = elements_.back().bend_1 / (spacing * spacing);
   velocity_.setZero();
   BlockTridiagonal tangent, shifted;
-  VecX r(dofs()), trial(dofs()), step(dofs());
+  VecX r(dofs()), step(dofs());
+  std::vector<Real> tension(static_cast<std::size_t>(beams()));
   Real potential = 0;
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    tension[e] = s.tension;
+  }
   StaticReport report;
-  const auto size = [&](const VecX& f) {
-    Real largest = 0;
+  for (;; ++report.iterations) {
+    static_residual(gravity, load, r, potential);
+    report.residual = 0;
     for (Index i = 0; i < nodes(); ++i)
-      largest = std::max({largest, f.segment<3>(6 * i).norm(), f.segment<3>(6 * i + 3).norm() / spacing});
-    return largest;
-  };
-  static_residual(gravity, load, r, potential);
-  Real shift = 0;
-  for (; report.iterations < max_iterations; ++report.iterations) {
-    report.residual = size(r);
-    if (report.residual <= tolerance) {
-      report.converged = true;
-      break;
-    }
-    assemble_tangent(gravity, tangent);
-    // Shift until positive definite: the step then goes downhill. Scaled by each node's own stiffness.
+      report.residual = std::max({report.residual, r.segment<3>(6 * i).norm(),
+                                  r.segment<3>(6 * i + 3).norm() / spacing});
+    report.converged = report.residual <= tolerance;
+    if (report.converged || report.iterations == max_iterations) break;
+
+    assemble_tangent(gravity, tangent, &tension);
+    // Shift until positive definite: the step then goes downhill.
+    Real shift = 0;
     for (;;) {
       shifted = tangent;
-      if (shift > 0)
-        for (Index i = 0; i < nodes(); ++i) {
-          auto d = shifted.diagonal(i).diagonal().array();
-          d.head<3>() += shift;
-          d.tail<3>() += shift * spacing * spacing;
-        }
+      for (Index i = 0; i < nodes(); ++i) {
+        auto d = shifted.diagonal(i).diagonal().array();
+        d.head<3>() += shift;
+        d.tail<3>() += shift * spacing * spacing;
+      }
       if (shifted.factor()) break;
-      shift = std::max(4 * shift, 1e-3 * elements_[0].bend_1 / (spacing * spacing));
-      if (!std::isfinite(shift)) return report;
+      shift = std::max(4 * shift, 1e-6 * unit_stiffness);
+      if (!(shift < 1e12 * unit_stiffness)) return report;
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
-    const Real slope = r.dot(step);
-    const std::vector<Pose> pose = pose_;
-    const std::vector<Real> twist = twist_;
-    const Real before = potential, residual_before = report.residual;
-    Real factor = 1;
-    bool accepted = false;
-    for (int cut = 0; cut < 30 && !accepted; ++cut, factor /= 2) {
-      move(pose, twist, step, factor, pose_, twist_);
-      static_residual(gravity, load, trial, potential);
-      // Work of moments: exact to second order along the step.
-      Real moment_work = 0;
-      for (Index i = 0; i < nodes(); ++i)
-        moment_work += factor * load.segment<3>(6 * i + 3).dot(step.segment<3>(6 * i + 3));
-      const Real rounding = 1e-13 * (std::abs(before) + std::abs(moment_work));
-      accepted = potential - moment_work <= before - 1e-4 * factor * slope + rounding ||
-                 size(trial) < 0.5 * residual_before;
+    const Real factor = limit_step(step);
+    for (Index e = 0; e < beams(); ++e) {
+      element_state(e, s);
+      const Real predicted =
+          s.tension + elements_[e].axial * strain_gradient(elements_[e], s).dot(
+              (Vec9() << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e),
+               step.segment<3>(6 * e + 3), step.segment<3>(6 * e + 9)).finished());
+      tension[e] += factor * (predicted - tension[e]);
     }
-    if (!accepted) {
-      pose_ = pose;
-      twist_ = twist;
-      static_residual(gravity, load, r, potential);
-      if (shift > 1e6 * elements_[0].bend_1 / (spacing * spacing)) break;
-      shift = std::max(16 * shift, 1e-3 * elements_[0].bend_1 / (spacing * spacing));
-      continue;
-    }
-    std::swap(r, trial);
-    shift = factor > 0.4 ? shift / 8 : shift;
-    if (shift < 1e-9 * elements_[0].bend_1 / (spacing * spacing)) shift = 0;
+    move(pose_, twist_, step, factor, pose_, twist_);
   }
   free_ = pose_;
   return report;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <random>
 
 #include "rod.h"
@@ -93,7 +94,8 @@ TEST_P(Element, ForceIsTheGradientOfTheEnergy) {
     difference[i] = (beam.energy(d) - beam.energy(-d)) / (2 * step);
   }
   // Forces and moments have their own scale.
-  const Real force = g.head<3>().norm(), moment = g.tail<6>().norm();
+  const Real force = g.head<3>().norm();
+  const Real moment = g.tail<6>().norm() + force * beam.rest.length;
   EXPECT_LT((difference - g).head<3>().norm(), tolerance * force);
   EXPECT_LT((difference - g).tail<6>().norm(), tolerance * moment);
 }
@@ -109,7 +111,6 @@ TEST_P(Element, HessianIsTheDerivativeOfTheForce) {
   EXPECT_LT((k - k.transpose()).norm(), 1e-12 * k.norm());
   // The gradient in spins is not a gradient in rotation vectors: its derivative along a constant spin is
   // the symmetric Hessian plus half the bracket of the moments, an antisymmetric part.
-  const Vec9 g = beam.slope(Vec9::Zero());
   Mat9 expected = Mat9::Zero();
   for (int i = 0; i < 9; ++i) {
     const Real step = 1e-5 * (i < 3 ? beam.rest.length : 1);
@@ -123,10 +124,9 @@ TEST_P(Element, HessianIsTheDerivativeOfTheForce) {
   const Mat9 scaled = scale.asDiagonal() * k * scale.asDiagonal();
   const Mat9 error = scale.asDiagonal() * (expected - k) * scale.asDiagonal();
   EXPECT_LT(error.norm(), tolerance * scaled.norm());
-  (void)g;
 }
 
-TEST_P(Element, StepStiffnessIsPositiveAndCloseToTheHessian) {
+TEST_P(Element, StepStiffnessIsPositive) {
   Random random;
   const Case c = GetParam();
   const BentBeam beam(random, c.curved, c.angle, c.twist, c.stretch);
