@@ -93,19 +93,30 @@ class ConstraintBuilder {
  private:
   BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* d_free,
                     Mode mode, BlockUnits units);
-  struct Patch;
-  struct Warm;
+  struct Patch {  // one call of couple, on one body
+    Index block, next;  // next patch of the same block, -1 at the end
+    std::size_t body;
+    int nodes;
+    std::size_t first_node, first_value;  // values: dim x (nodes * width), column major
+  };
+  struct Warm {
+    Key key;
+    const LawOperations* law;
+    Index first;
+  };
+  void gather_rows(std::size_t body);
+
   ConstraintProblem& problem_;
   std::vector<const Body*> bodies_;
   std::vector<Patch> patches_;
   std::vector<Index> patch_nodes_;
   std::vector<Real> patch_values_;
+  std::vector<Index> first_patch_, last_patch_;  // per block
   std::vector<Real> d_free_;
-  std::vector<Warm> warm_;
-  std::vector<Real> warm_lambda_;
-
- public:
-  ~ConstraintBuilder();
+  std::vector<Warm> warm_;  // blocks of the step before, sorted by key
+  VecX warm_lambda_;
+  std::vector<Index> merged_nodes_;
+  std::vector<Real> merged_values_;
 };
 
 /// What sources read in `commit`.

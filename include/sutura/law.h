@@ -7,7 +7,7 @@
 //     struct Params { };                        // trivially copyable
 //     static void project(const BlockMatrix<1>& W, const BlockVector<1>& d, const Params&,
 //                         Mode&, BlockVector<1>& lambda) { lambda = max(0, -d / W); }
-//     static int free_directions(...)           // see below
+//     static void free_directions(...)          // see below
 //   };
 #pragma once
 
@@ -31,19 +31,24 @@ inline constexpr int max_block_dim = 6;
 /// The state word of a law (open, stick, slip, ...); meaning is the law's own.
 using Mode = std::uint8_t;
 
-/// What one block looks like when its law is asked. `d` is the violation *without* the block's own
-/// lambda: d = delta - W lambda (m).
+/// What `project` is given: `d` is the violation *without* the block's own lambda,
+/// d = delta - W lambda (m).
 ///
-/// Free directions, for the subspace step of the solver: in the current mode some combinations of
-/// the rows behave like bilateral rows. Column j of `move` says how lambda changes when that
-/// combination is pushed by one newton, column j of `test` which combination of delta must then
-/// vanish. Stick and bilateral: both the identity. Clamped or open: none. Slipping contact with
-/// normal n and slip direction t: move = n - mu t, test = n.
+/// What `free_directions` is given: a pair (delta, lambda) on the law's graph, as `project` left it,
+/// and its mode. It answers with the tangent of the graph there, for the direct (subspace) step of
+/// the solver: with y the `count` coordinates,
+///     lambda + move * y      stays on the tangent, and
+///     test^T * delta + gap + compliance * y = 0      must then hold for the delta of the system.
+/// Stick and bilateral: move = test = identity. Clamped or open: none. Slipping contact with normal
+/// n and slip direction t: move = n - mu t, test = n. A spring delta = -c lambda: move = test =
+/// identity, gap = c lambda, compliance = c * identity.
 template <int N>
 struct FreeDirections {
   int count = 0;
-  BlockMatrix<N> move = BlockMatrix<N>::Identity();
-  BlockMatrix<N> test = BlockMatrix<N>::Identity();
+  BlockMatrix<N> move = BlockMatrix<N>::Identity();      ///< N x count
+  BlockMatrix<N> test = BlockMatrix<N>::Identity();      ///< N x count
+  BlockVector<N> gap = BlockVector<N>::Zero();           ///< count (m)
+  BlockMatrix<N> compliance = BlockMatrix<N>::Zero();    ///< count x count (m/N)
 };
 
 template <class L>
@@ -55,8 +60,8 @@ concept Law =
       { L::name };
       // lambda <- the solution of the block, from any lambda; mode <- the state it is in.
       { L::project(W, d, p, mode, lambda) };
-      // Free directions of the given mode and lambda.
-      { L::free_directions(W, p, mode, lambda, free) };
+      // The tangent of the graph at (delta, lambda); delta is passed where `d` stands here.
+      { L::free_directions(d, p, mode, lambda, free) };
     };
 
 /// A law with irreversible events adds
@@ -72,7 +77,7 @@ concept LawWithEvents = Law<L> && requires(const typename L::Params& p,
 /// One block, untyped, as the solver stores it. Pointers into the problem's arrays.
 struct BlockView {
   const Real* W;        ///< dim x dim, column major
-  const Real* d;        ///< dim
+  const Real* d;        ///< dim; for free_directions: delta
   const void* params;
   Mode* mode;
   Real* lambda;         ///< dim
@@ -82,6 +87,8 @@ struct FreeDirectionsView {
   int count = 0;
   Real move[max_block_dim * max_block_dim];  ///< dim x count, column major
   Real test[max_block_dim * max_block_dim];
+  Real gap[max_block_dim];
+  Real compliance[max_block_dim * max_block_dim];  ///< as move; its first count rows
 };
 
 /// The functions of a law behind plain pointers: one indirect call per block or per run.
@@ -99,8 +106,8 @@ namespace detail {
 template <class L>
 void project_block(const BlockView& b) {
   constexpr int n = L::dim;
-  const Eigen::Map<const BlockMatrix<n>> W(b.W);
-  const Eigen::Map<const BlockVector<n>> d(b.d);
+  const BlockMatrix<n> W = Eigen::Map<const BlockMatrix<n>>(b.W);
+  const BlockVector<n> d = Eigen::Map<const BlockVector<n>>(b.d);
   Eigen::Map<BlockVector<n>> out(b.lambda);
   BlockVector<n> lambda = out;
   L::project(W, d, *static_cast<const typename L::Params*>(b.params), *b.mode, lambda);
@@ -110,13 +117,16 @@ void project_block(const BlockView& b) {
 template <class L>
 void free_directions_of_block(const BlockView& b, FreeDirectionsView& out) {
   constexpr int n = L::dim;
-  const Eigen::Map<const BlockMatrix<n>> W(b.W);
-  const Eigen::Map<const BlockVector<n>> lambda(b.lambda);
+  const BlockVector<n> delta = Eigen::Map<const BlockVector<n>>(b.d);
+  const BlockVector<n> lambda = Eigen::Map<const BlockVector<n>>(b.lambda);
   FreeDirections<n> free;
-  L::free_directions(W, *static_cast<const typename L::Params*>(b.params), *b.mode, lambda, free);
+  L::free_directions(delta, *static_cast<const typename L::Params*>(b.params), *b.mode, lambda,
+                     free);
   out.count = free.count;
   Eigen::Map<BlockMatrix<n>>(out.move) = free.move;
   Eigen::Map<BlockMatrix<n>>(out.test) = free.test;
+  Eigen::Map<BlockVector<n>>(out.gap) = free.gap;
+  Eigen::Map<BlockMatrix<n>>(out.compliance) = free.compliance;
 }
 
 template <class L>

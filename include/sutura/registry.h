@@ -36,6 +36,8 @@ class Registry {
   void begin_plugin(std::string name) { plugin_ = std::move(name); }
   bool has_plugin(const std::string& name) const;
   void end_plugin();
+  /// Names that were enrolled although they existed; the first one holds. Each is a sentence.
+  const std::vector<std::string>& clashes() const { return clashes_; }
 
  private:
   ComponentInfo& add_component(const std::string& name);
@@ -43,6 +45,8 @@ class Registry {
 
   std::map<std::string, std::unique_ptr<ComponentInfo>> components_;
   std::vector<const LawOperations*> laws_;
+  std::vector<std::unique_ptr<ComponentInfo>> refused_;
+  std::vector<std::string> clashes_;
   std::vector<std::string> plugins_;
   std::string plugin_ = "core";
 };

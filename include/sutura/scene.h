@@ -32,9 +32,10 @@ struct PluginUse {
 
 class Scene {
  public:
-  std::filesystem::path file;  ///< empty if the scene came from memory
+  std::filesystem::path file;  ///< its folder resolves relative files, also for a scene from memory
   Real dt = 0.01;              ///< s
   Vec3 gravity{0, 0, -9.81};   ///< m/s^2
+  Real duration = 0;           ///< s; what `sutura run` simulates when it is not told; 0: not given
   std::vector<PluginUse> plugins;
   Node root;
 
@@ -47,7 +48,9 @@ class Scene {
 
  private:
   friend class SceneBuilder;
+  std::vector<Component*> order_;  // document order
   std::map<const Component*, std::vector<Component*>> links_;
+  std::map<const Component*, std::vector<Component*>> slots_;  // one per LinkInfo, or nullptr
 };
 
 struct LoadOptions {

@@ -93,6 +93,12 @@ void Channel::leave(const EmbeddedPoint& mouth) {
   end_depth_ = samples_.back().depth;
 }
 
+void Channel::set_friction_mode(std::uint64_t id, std::uint8_t mode) {
+  const auto it = std::lower_bound(samples_.begin(), samples_.end(), id,
+                                   [](const PathSample& s, std::uint64_t i) { return s.id < i; });
+  if (it != samples_.end() && it->id == id) it->friction_mode = mode;
+}
+
 void Channel::update() {
   find_abscissae();
   retract();

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "path_friction_law.h"
 #include "suture_path.h"
 
 namespace sutura {
@@ -15,6 +16,9 @@ class PathFriction : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
+  /// Kinetic resistance of a length of channel at the given radius and lateral force 0 (N/m).
+  Real resistance_per_length(Real radius) const;
+
  private:
   Link<SuturePath> path_;
   Real coefficient_ = 0.2;
@@ -24,7 +28,12 @@ class PathFriction : public Component, public ConstraintSource {
   Real viscosity_ = 0;
   Real stick_speed_ = 0;
   Index source_id_ = 0;
-  std::vector<BlockId> blocks_;
+  struct SampleBlock {
+    BlockId block;
+    std::uint64_t id;  ///< of the sample
+    PathFrictionLaw::Params params;
+  };
+  std::vector<SampleBlock> blocks_;
   Real force_ = 0;    ///< sum of axial forces on the thread, positive towards the end of the thread (N)
   Real limit_ = 0;    ///< sum of kinetic resistances (N)
   Index sliding_ = 0;

@@ -17,6 +17,7 @@ void Puncture::describe(Describe<Puncture>& d) {
       "solve goes on with the law of the pierced state: bilateral across the needle, cutting along it.");
   d.link("path", &Puncture::path_, "The channel that begins and ends at the punctures.");
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
+  d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.").optional();
   d.attribute("threshold", &Puncture::threshold_, "N", above(0),
               "Puncture force fp on entry, where no region says otherwise.");
   d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", above(0),
@@ -145,18 +146,21 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   PunctureLaw::Params params;
   params.normal = touched_.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.puncture_force =
+  params.fp =
       front_ == Front::exit ? exit_threshold_
                             : region_value(region, regions_, region_thresholds_, threshold_);
-  threshold_here_ = params.puncture_force;
-  params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
-  params.friction = front_ == Front::layer ? 0 : friction_;
+  threshold_here_ = params.fp;
+  params.fc = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
+  // What goes in during the step of the puncture itself has no sample yet that could drag on it.
+  params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
+  params.mu = front_ == Front::layer ? 0 : friction_;
 
-  const Vec3 free = thread.point(0, Configuration::free) -
-                    tissue.position(touched_.at, Configuration::free);
+  params.gap = touched_.normal.dot(tip - touched_.position);
+  const Vec3 free = (thread.point(0, Configuration::free) - tip) -
+                    (tissue.position(touched_.at, Configuration::free) - touched_.position);
   block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)), params,
-                                    BlockVector<3>(free), PunctureLaw::pressing,
-                                    {.force = params.puncture_force});
+                                    BlockVector<3>(free), PunctureLaw::free,
+                                    {.force = params.fp});
   const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
@@ -168,7 +172,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (!block_.valid()) return;
   force_ = touched_.normal.dot(solved.force(block_));
-  if (solved.mode(block_) != PunctureLaw::penetrated) {
+  if (!PunctureLaw::is_penetrated(solved.mode(block_))) {
     peak_force_ = std::max(peak_force_, force_);
     return;
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cutting.h"
+#include "path_friction.h"
 #include "suture_path.h"
 
 namespace sutura {
@@ -27,6 +28,7 @@ class Puncture : public Component, public ConstraintSource {
 
   Link<SuturePath> path_;
   Link<Cutting> cutting_;
+  Link<PathFriction> drag_;
   Real threshold_ = 0.5;
   Real exit_threshold_ = 0.5;
   std::vector<Real> regions_;

@@ -110,7 +110,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Real force = solved.lambda(blocks_[i]).norm();
     lateral_force_ = std::max(lateral_force_, force);
-    if (i < sample_crossings_) channel_->set_lateral_force(crossings_[i].sample, force);
+    if (i < sample_crossings_) channel_->sample(crossings_[i].sample).lateral_force = force;
   }
   channel_->update();
   lateral_gap_ = 0;

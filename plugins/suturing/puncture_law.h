@@ -1,0 +1,100 @@
+// Puncture: a tip presses on a surface until the force that the surface can bear.
+//
+// Three rows in world axes: delta (m) = tip minus surface point, lambda (N) = force on the tip. n: unit
+// normal on the side where the tip is, t: unit axis of the shaft, pointing where the tip advances
+// (t . n < 0). With lambda_n = n . lambda and the tangent plane across n:
+//
+//   pressing:    0 <= n.delta  _|_  lambda_n >= 0   while lambda_n < fp;   n.delta <= 0 at lambda_n = fp
+//                Coulomb with mu in the tangent plane, |lambda_t| <= mu lambda_n
+//   event:       lambda_n = fp and n.delta < 0: the surface gives way; irreversible, fired by the
+//                solver on converged forces only
+//   penetrated:  across t: delta = 0 (the hole holds the shaft)
+//                along t: lambda = -r t, 0 <= r <= fc: fc while the tip is ahead of the surface point,
+//                0 while it is behind
+//
+// The way out is the same law seen from inside: the source passes the reversed outward normal (the
+// side where the tip is), the threshold of the exit, and fc = 0, because nothing is left to be cut in
+// front of the tip. A layer under another one is an entry whose normal is the axis of the needle.
+//
+// The rows stay in one fixed basis, so that the law can change its directions inside a solve. Source:
+// the paper's section on puncture; algorithms.md B.6.
+#pragma once
+
+#include <algorithm>
+
+#include "sutura/laws/coulomb.h"
+
+namespace sutura {
+
+struct PunctureLaw {
+  static constexpr int dim = 3;
+  static constexpr const char* name = "puncture";
+  struct Params {
+    Vec3 normal = Vec3::UnitZ();
+    Vec3 axis = -Vec3::UnitZ();
+    Real puncture_force = 0;  ///< fp, N
+    Real cutting_force = 0;   ///< fc, N
+    Real friction = 0;        ///< mu
+  };
+  static constexpr Mode pressing = 0;
+  static constexpr Mode penetrated = 1;
+
+  static void project(const Mat3& W, const Vec3& d, const Params& p, Mode& mode, Vec3& lambda) {
+    const Mat3 R = frame(mode == penetrated ? p.axis : p.normal);
+    const Mat3 A = R.transpose() * W * R;
+    const Vec3 local = R.transpose() * d;
+    Vec3 force;
+    if (mode == penetrated) project_penetrated(A, local, p, force);
+    else solve_friction(A, local, p.friction, p.puncture_force, force);
+    lambda = R * force;
+  }
+
+  static void free_directions(const Vec3& delta, const Params& p, Mode mode, const Vec3& lambda,
+                              FreeDirections<3>& out) {
+    const Mat3 R = frame(mode == penetrated ? p.axis : p.normal);
+    const Vec3 force = R.transpose() * lambda;
+    if (mode == penetrated) {
+      // Across, across, along; the last only while it neither cuts nor slides out.
+      out.move << R.col(1), R.col(2), R.col(0);
+      out.test = out.move;
+      out.count = below(-force[0], p.cutting_force) && force[0] < 0 ? 3 : 2;
+      return;
+    }
+    FreeDirections<3> local;
+    friction_directions(R.transpose() * delta, p.friction, 0,
+                        friction_state(force, p.friction, p.puncture_force), force, local);
+    out = local;
+    out.move = R * local.move;
+    out.test = R * local.test;
+  }
+
+  static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3& lambda) {
+    if (mode == penetrated || below(p.normal.dot(lambda), p.puncture_force)) return false;
+    if (!(p.normal.dot(delta) < 0)) return false;
+    mode = penetrated;
+    return true;
+  }
+
+ private:
+  /// x < limit, where a value clamped to the limit and rotated since then is not below it.
+  static bool below(Real x, Real limit) { return x < limit * (1 - 1e-12); }
+
+  static Mat3 frame(const Vec3& first) {
+    Mat3 R;
+    R << first, perpendicular_basis<3>(first);
+    return R;
+  }
+
+  /// Rows: along the axis, across, across.
+  static void project_penetrated(const Mat3& A, const Vec3& d, const Params& p, Vec3& force) {
+    // The axial row with the lateral rows eliminated is a clamp of its own: one pass is exact.
+    const BlockMatrix<2> inverse = A.block<2, 2>(1, 1).inverse();
+    const Vec2 coupling = A.block<2, 1>(1, 0);
+    const Real w = A(0, 0) - coupling.dot(inverse * coupling);
+    const Real advance = d[0] - coupling.dot(inverse * d.tail<2>());
+    force[0] = -std::clamp(advance / w, Real(0), p.cutting_force);
+    force.tail<2>() = -inverse * (d.tail<2>() + coupling * force[0]);
+  }
+};
+
+}  // namespace sutura

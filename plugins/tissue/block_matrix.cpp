@@ -1,0 +1,110 @@
+#include "block_matrix.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <utility>
+
+namespace sutura {
+
+NodePattern::NodePattern(Index nodes, std::span<const std::array<Index, 2>> pairs) {
+  std::vector<std::array<Index, 2>> all;
+  all.reserve(pairs.size() + static_cast<std::size_t>(nodes));
+  for (Index i = 0; i < nodes; ++i) all.push_back({i, i});
+  for (const auto& p : pairs) {
+    assert(p[0] >= 0 && p[1] >= 0 && std::max(p[0], p[1]) < nodes);
+    all.push_back({std::min(p[0], p[1]), std::max(p[0], p[1])});
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+
+  row_start_.assign(static_cast<std::size_t>(nodes) + 1, 0);
+  column_.reserve(all.size());
+  for (const auto& p : all) {
+    ++row_start_[static_cast<std::size_t>(p[0]) + 1];
+    column_.push_back(static_cast<std::int32_t>(p[1]));
+  }
+  for (std::size_t i = 1; i < row_start_.size(); ++i) row_start_[i] += row_start_[i - 1];
+}
+
+Index NodePattern::slot(Index i, Index j) const {
+  assert(i <= j);
+  const auto first = column_.begin() + row_start_[static_cast<std::size_t>(i)];
+  const auto last = column_.begin() + row_start_[static_cast<std::size_t>(i) + 1];
+  const auto it = std::lower_bound(first, last, static_cast<std::int32_t>(j));
+  return it != last && *it == j ? it - column_.begin() : -1;
+}
+
+std::vector<std::array<Index, 2>> pairs_of_elements(std::span<const Index> element_nodes,
+                                                    Index size) {
+  std::vector<std::array<Index, 2>> pairs;
+  const auto n = static_cast<std::size_t>(size);
+  assert(element_nodes.size() % n == 0);
+  for (std::size_t e = 0; e < element_nodes.size(); e += n)
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = a + 1; b < n; ++b) {
+        const Index i = element_nodes[e + a], j = element_nodes[e + b];
+        if (i != j) pairs.push_back({std::min(i, j), std::max(i, j)});
+      }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+NodeMatrix::NodeMatrix(std::shared_ptr<const NodePattern> pattern)
+    : pattern_(std::move(pattern)),
+      values_(static_cast<std::size_t>(9 * pattern_->slots() + 1), Real(0)) {}
+
+void NodeMatrix::set_zero() { std::fill(values_.begin(), values_.end(), Real(0)); }
+
+void NodeMatrix::add_diagonal(std::span<const Real> m, Real scale) {
+  for (Index i = 0; i < nodes(); ++i) {
+    Real* d = values_.data() + 9 * pattern_->diagonal(i);
+    const Real s = scale * m[static_cast<std::size_t>(i)];
+    d[0] += s;
+    d[4] += s;
+    d[8] += s;
+  }
+}
+
+Mat3 NodeMatrix::block(Index i, Index j) const {
+  const Index s = slot(std::min(i, j), std::max(i, j));
+  if (s < 0) return Mat3::Zero();
+  const Eigen::Map<const Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> b(values_.data() + 9 * s);
+  return i <= j ? Mat3(b) : Mat3(b.transpose());
+}
+
+void NodeMatrix::multiply(const VecX& x, VecX& y) const {
+  const std::size_t n = static_cast<std::size_t>(nodes());
+  assert(x.size() == 3 * nodes());
+  y.setZero(x.size());
+  const std::int32_t* start = pattern_->row_start().data();
+  const std::int32_t* column = pattern_->column().data();
+  const Real* v = values_.data();
+  const Real* xs = x.data();
+  Real* ys = y.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    // Row i collects block * x_j in registers; the transposed block adds to y_j at once.
+    const Real a0 = xs[3 * i], a1 = xs[3 * i + 1], a2 = xs[3 * i + 2];
+    const Real* b = v + 9 * static_cast<std::size_t>(start[i]);
+    Real y0 = b[0] * a0 + b[1] * a1 + b[2] * a2;
+    Real y1 = b[3] * a0 + b[4] * a1 + b[5] * a2;
+    Real y2 = b[6] * a0 + b[7] * a1 + b[8] * a2;
+    for (std::int32_t k = start[i] + 1; k < start[i + 1]; ++k) {
+      b += 9;
+      const std::size_t j = 3 * static_cast<std::size_t>(column[k]);
+      const Real c0 = xs[j], c1 = xs[j + 1], c2 = xs[j + 2];
+      y0 += b[0] * c0 + b[1] * c1 + b[2] * c2;
+      y1 += b[3] * c0 + b[4] * c1 + b[5] * c2;
+      y2 += b[6] * c0 + b[7] * c1 + b[8] * c2;
+      ys[j] += b[0] * a0 + b[3] * a1 + b[6] * a2;
+      ys[j + 1] += b[1] * a0 + b[4] * a1 + b[7] * a2;
+      ys[j + 2] += b[2] * a0 + b[5] * a1 + b[8] * a2;
+    }
+    ys[3 * i] += y0;
+    ys[3 * i + 1] += y1;
+    ys[3 * i + 2] += y2;
+  }
+}
+
+}  // namespace sutura

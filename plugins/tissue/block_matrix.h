@@ -1,0 +1,67 @@
+// The system matrix of a tissue: symmetric, one 3x3 block per pair of coupled nodes, fixed pattern.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sutura/types.h"
+
+namespace sutura {
+
+/// Which blocks exist. Only i <= j is stored: by rows, columns ascending, so the diagonal block is
+/// the first of its row. Immutable, shared between a matrix, its copies and its factors.
+class NodePattern {
+ public:
+  /// `pairs`: the coupled nodes i != j, in any order, repeated at will. Every diagonal block exists.
+  NodePattern(Index nodes, std::span<const std::array<Index, 2>> pairs);
+
+  Index nodes() const { return static_cast<Index>(row_start_.size()) - 1; }
+  Index slots() const { return static_cast<Index>(column_.size()); }
+  /// Where block (i, j), i <= j, is stored; -1 if it is not.
+  Index slot(Index i, Index j) const;
+  Index diagonal(Index i) const { return row_start_[static_cast<std::size_t>(i)]; }
+  std::span<const std::int32_t> row_start() const { return row_start_; }
+  std::span<const std::int32_t> column() const { return column_; }
+
+ private:
+  std::vector<std::int32_t> row_start_;  ///< nodes + 1
+  std::vector<std::int32_t> column_;     ///< per slot
+};
+
+/// The coupled pairs of elements of `size` nodes each, i < j, sorted, each once.
+std::vector<std::array<Index, 2>> pairs_of_elements(std::span<const Index> element_nodes,
+                                                    Index size);
+
+/// Named after its rows, which belong to nodes ("BlockMatrix" is a law's word).
+class NodeMatrix {
+ public:
+  explicit NodeMatrix(std::shared_ptr<const NodePattern> pattern);
+  NodeMatrix(Index nodes, std::span<const std::array<Index, 2>> pairs)
+      : NodeMatrix(std::make_shared<NodePattern>(nodes, pairs)) {}
+
+  const std::shared_ptr<const NodePattern>& pattern() const { return pattern_; }
+  Index nodes() const { return pattern_->nodes(); }
+  Index slot(Index i, Index j) const { return pattern_->slot(i, j); }
+
+  /// Nine numbers per slot, the rows of block (i, j), i <= j; the block (j, i) is its transpose.
+  Real* values() { return values_.data(); }
+  std::span<const Real> values() const {
+    return {values_.data(), static_cast<std::size_t>(9 * pattern_->slots())};
+  }
+  void set_zero();
+  /// A += scale * m I on the diagonal block of every node; `m` per node.
+  void add_diagonal(std::span<const Real> m, Real scale);
+  Mat3 block(Index i, Index j) const;  ///< any order; zero if not in the pattern
+
+  /// y = A x, both 3 n. Deterministic: fixed order of sums.
+  void multiply(const VecX& x, VecX& y) const;
+
+ private:
+  std::shared_ptr<const NodePattern> pattern_;
+  std::vector<Real> values_;  ///< padded by one: rows of blocks are read four at a time
+};
+
+}  // namespace sutura

@@ -1,0 +1,178 @@
+#include "factor.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "factor_plan.h"
+
+namespace sutura {
+namespace {
+
+/// Adjacency lists of the vertices with `number` >= 0, by number.
+void build_graph(const NodePattern& pattern, const std::vector<std::int32_t>& number,
+                 std::size_t vertices, std::vector<std::int32_t>& start,
+                 std::vector<std::int32_t>& neighbour) {
+  start.assign(vertices + 1, 0);
+  const auto each_edge = [&](auto&& visit) {
+    for (Index i = 0; i < pattern.nodes(); ++i) {
+      const std::int32_t a = number[static_cast<std::size_t>(i)];
+      if (a < 0) continue;
+      for (std::int32_t k = pattern.row_start()[static_cast<std::size_t>(i)] + 1;
+           k < pattern.row_start()[static_cast<std::size_t>(i) + 1]; ++k) {
+        const auto j = static_cast<std::size_t>(pattern.column()[static_cast<std::size_t>(k)]);
+        if (number[j] >= 0) visit(static_cast<std::size_t>(a), static_cast<std::size_t>(number[j]));
+      }
+    }
+  };
+  each_edge([&](std::size_t a, std::size_t b) { ++start[a + 1], ++start[b + 1]; });
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  neighbour.resize(static_cast<std::size_t>(start.back()));
+  std::vector<std::int32_t> at(start.begin(), start.end() - 1);
+  each_edge([&](std::size_t a, std::size_t b) {
+    neighbour[static_cast<std::size_t>(at[a]++)] = static_cast<std::int32_t>(b);
+    neighbour[static_cast<std::size_t>(at[b]++)] = static_cast<std::int32_t>(a);
+  });
+}
+
+/// A block of the lower triangle, in elimination order.
+struct Placed {
+  std::int32_t row;
+  std::int32_t slot;  ///< -1: structural zero
+  bool transposed;
+  bool operator<(const Placed& other) const { return row < other.row; }
+};
+
+}  // namespace
+
+FactorPlan::FactorPlan(const NodePattern& pattern, std::span<const char> fixed,
+                       std::span<const Index> last, FactorBackend which)
+    : backend(which), nodes(pattern.nodes()) {
+  const auto n = static_cast<std::size_t>(nodes);
+  assert(fixed.empty() || fixed.size() == n);
+  constexpr std::int32_t unset = -1, excluded = -2;
+  std::vector<std::int32_t> number(n, unset);
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    if (fixed[i]) number[i] = excluded;
+  for (const Index i : last)
+    if (number[static_cast<std::size_t>(i)] == unset) {
+      number[static_cast<std::size_t>(i)] = excluded;
+      tail.push_back(i);
+    }
+
+  // Order all the others among themselves, then append the tail.
+  std::vector<std::int32_t> vertex;
+  for (std::size_t i = 0; i < n; ++i)
+    if (number[i] == unset) {
+      number[i] = static_cast<std::int32_t>(vertex.size());
+      vertex.push_back(static_cast<std::int32_t>(i));
+    }
+  std::vector<std::int32_t> start, neighbour;
+  build_graph(pattern, number, vertex.size(), start, neighbour);
+  for (const std::int32_t v : fill_reducing_order(start, neighbour))
+    order.push_back(vertex[static_cast<std::size_t>(v)]);
+  for (const Index i : tail) order.push_back(static_cast<std::int32_t>(i));
+
+  std::vector<std::int32_t> position(n, unset);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    position[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+
+  std::vector<std::vector<Placed>> columns(order.size());
+  for (Index i = 0; i < nodes; ++i) {
+    const std::int32_t p = position[static_cast<std::size_t>(i)];
+    if (p < 0) continue;
+    for (std::int32_t k = pattern.row_start()[static_cast<std::size_t>(i)];
+         k < pattern.row_start()[static_cast<std::size_t>(i) + 1]; ++k) {
+      const std::int32_t q =
+          position[static_cast<std::size_t>(pattern.column()[static_cast<std::size_t>(k)])];
+      if (q < 0) continue;
+      columns[static_cast<std::size_t>(std::min(p, q))].push_back({std::max(p, q), k, p < q});
+    }
+  }
+  // The Schur complement over the tail is dense in any case (the rest couples every pair). Saying so
+  // in the structure makes the tail one chain of the elimination tree, which keeps it last and whole
+  // when the backend reorders the tree.
+  const auto first_tail = order.size() - tail.size();
+  for (std::size_t q = first_tail; q < order.size(); ++q) {
+    auto& column = columns[q];
+    std::vector<char> present(order.size() - q, 0);
+    for (const Placed& b : column) present[static_cast<std::size_t>(b.row) - q] = 1;
+    for (std::size_t p = q + 1; p < order.size(); ++p)
+      if (!present[p - q]) column.push_back({static_cast<std::int32_t>(p), -1, false});
+  }
+
+  column_start.push_back(0);
+  for (std::size_t q = 0; q < columns.size(); ++q) {
+    std::sort(columns[q].begin(), columns[q].end());
+    for (std::int32_t c = 0; c < 3; ++c) {
+      for (const Placed& b : columns[q])
+        for (std::int32_t r = 0; r < 3; ++r) {
+          const bool on_diagonal = static_cast<std::size_t>(b.row) == q;
+          if (on_diagonal && r < c) continue;
+          row.push_back(3 * b.row + r);
+          source.push_back(b.slot < 0 ? -1 : 9 * b.slot + (b.transposed ? 3 * c + r : 3 * r + c));
+        }
+      column_start.push_back(static_cast<std::int32_t>(row.size()));
+    }
+  }
+}
+
+bool FactorPlan::gather(std::span<const Real> values, Real* entries) const {
+  Real poison = 0;  // becomes NaN as soon as one entry is not finite
+  for (std::size_t k = 0; k < source.size(); ++k) {
+    entries[k] = source[k] < 0 ? 0 : values[static_cast<std::size_t>(source[k])];
+    poison += entries[k] * 0;
+  }
+  return poison == 0;
+}
+
+void FactorPlan::restrict_to_free(const Eigen::Ref<const MatX>& full,
+                                  Eigen::Ref<MatX> reduced) const {
+  for (Index c = 0; c < full.cols(); ++c)
+    for (std::size_t k = 0; k < order.size(); ++k)
+      reduced.col(c).segment<3>(3 * static_cast<Index>(k)) = full.col(c).segment<3>(3 * order[k]);
+}
+
+void FactorPlan::extend(const Eigen::Ref<const MatX>& reduced, Eigen::Ref<MatX> full) const {
+  full.setZero();
+  for (Index c = 0; c < full.cols(); ++c)
+    for (std::size_t k = 0; k < order.size(); ++k)
+      full.col(c).segment<3>(3 * order[k]) = reduced.col(c).segment<3>(3 * static_cast<Index>(k));
+}
+
+MatX inverse_of_product(const MatX& lower) {
+  MatX inverse = MatX::Identity(lower.rows(), lower.cols());
+  lower.triangularView<Eigen::Lower>().solveInPlace(inverse);
+  MatX product = MatX::Zero(lower.rows(), lower.cols());
+  product.selfadjointView<Eigen::Lower>().rankUpdate(inverse.transpose());
+  return product.selfadjointView<Eigen::Lower>();
+}
+
+bool has_backend(FactorBackend backend) {
+#ifdef SUTURA_WITH_CHOLMOD
+  return backend == FactorBackend::cholmod || backend == FactorBackend::eigen;
+#else
+  return backend == FactorBackend::eigen;
+#endif
+}
+
+FactorBackend default_backend() {
+  return has_backend(FactorBackend::cholmod) ? FactorBackend::cholmod : FactorBackend::eigen;
+}
+
+std::shared_ptr<const FactorPlan> make_factor_plan(const NodePattern& pattern,
+                                                   std::span<const char> fixed,
+                                                   std::span<const Index> last,
+                                                   FactorBackend backend) {
+  return std::make_shared<FactorPlan>(pattern, fixed, last, backend);
+}
+
+std::span<const Index> tail_nodes(const FactorPlan& plan) { return plan.tail; }
+
+std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan) {
+#ifdef SUTURA_WITH_CHOLMOD
+  if (plan->backend == FactorBackend::cholmod) return make_cholmod_factor(std::move(plan));
+#endif
+  return make_eigen_factor(std::move(plan));
+}
+
+}  // namespace sutura

@@ -1,0 +1,55 @@
+// Cholesky factors of a tissue's system matrix, behind one interface: CHOLMOD (supernodal, fast, GPL)
+// or Eigen (simplicial, permissive). No type of either appears here.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "block_matrix.h"
+#include "sutura/types.h"
+
+namespace sutura {
+
+enum class FactorBackend { cholmod, eigen };
+
+/// True if this build contains it.
+bool has_backend(FactorBackend backend);
+/// cholmod where it is built in, else eigen.
+FactorBackend default_backend();
+
+/// In which order the free nodes are eliminated, and where each block of A goes. Made once per
+/// pattern and set of fixed nodes; immutable, shared by every factor made from it.
+class FactorPlan;
+
+/// `fixed`: per node, nonzero if prescribed (its rows and columns are left out); empty: none is.
+/// `last`: free nodes to be eliminated last, in this order, so that the factor knows their
+/// compliance (see Factor::tail_compliance); fixed nodes among them are skipped.
+std::shared_ptr<const FactorPlan> make_factor_plan(const NodePattern& pattern,
+                                                   std::span<const char> fixed,
+                                                   std::span<const Index> last,
+                                                   FactorBackend backend);
+
+class Factor {
+ public:
+  virtual ~Factor() = default;
+  /// `values`: NodeMatrix::values of the pattern of the plan. False if the matrix is not positive
+  /// definite or not finite: the factor must then not be used until a later call succeeds.
+  virtual bool factorise(std::span<const Real> values) = 0;
+  /// columns <- A^-1 columns, 3 nodes x any. Fixed nodes answer zero whatever they are given.
+  /// Not to be called from two workers at once: the work space belongs to the factor.
+  virtual void solve(Eigen::Ref<MatX> columns) const = 0;
+  /// C = (A^-1) over the `last` nodes of the plan (3 count square, order of `tail_nodes`): the
+  /// inverse of the last Schur block L_ss L_ss^T. Empty if there are none.
+  virtual MatX tail_compliance() const = 0;
+  /// Numbers stored in L.
+  virtual Index stored() const = 0;
+};
+
+/// The `last` nodes that are free.
+std::span<const Index> tail_nodes(const FactorPlan& plan);
+
+/// Symbolic analysis; `backend` as in the plan.
+std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan);
+
+}  // namespace sutura

@@ -1,0 +1,140 @@
+// CHOLMOD's supernodal Cholesky (GPL module) on whatever BLAS it is linked with.
+#ifdef SUTURA_WITH_CHOLMOD
+
+#include <cholmod.h>
+
+#include <cassert>
+
+#include "factor_plan.h"
+
+// OpenBLAS would start workers of its own for every dense block: slower on blocks of this size, and
+// they would compete with the simulation. Other BLAS libraries do not have the symbol.
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+
+namespace sutura {
+namespace {
+
+class CholmodFactor : public Factor {
+ public:
+  explicit CholmodFactor(std::shared_ptr<const FactorPlan> plan)
+      : plan_(std::move(plan)), entries_(plan_->row.size(), 1.0) {
+    if (openblas_set_num_threads) openblas_set_num_threads(1);
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.supernodal = CHOLMOD_SUPERNODAL;
+    common_.quick_return_if_not_posdef = 1;
+    common_.nmethods = 1;  // the plan has ordered the matrix; only the tree is postordered
+    common_.method[0].ordering = CHOLMOD_NATURAL;
+    common_.postorder = 1;
+
+    const auto n = static_cast<std::size_t>(plan_->size());
+    A_.nrow = A_.ncol = n;
+    A_.nzmax = plan_->row.size();
+    A_.p = const_cast<std::int32_t*>(plan_->column_start.data());  // read only for CHOLMOD
+    A_.i = const_cast<std::int32_t*>(plan_->row.data());
+    A_.x = entries_.data();
+    A_.stype = -1;
+    A_.itype = CHOLMOD_INT;
+    A_.xtype = CHOLMOD_REAL;
+    A_.dtype = CHOLMOD_DOUBLE;
+    A_.sorted = 1;
+    A_.packed = 1;
+    if (n > 0) L_ = cholmod_analyze(&A_, &common_);
+  }
+
+  ~CholmodFactor() override {
+    cholmod_free_dense(&x_, &common_);
+    cholmod_free_dense(&y_, &common_);
+    cholmod_free_dense(&e_, &common_);
+    cholmod_free_factor(&L_, &common_);
+    cholmod_finish(&common_);
+  }
+
+  bool factorise(std::span<const Real> values) override {
+    ready_ = plan_->gather(values, entries_.data());
+    if (!ready_ || plan_->size() == 0) return ready_;
+    // Out of memory and "not positive definite" are both reported here; L_ is null only if the
+    // analysis ran out of memory.
+    ready_ = L_ != nullptr && cholmod_factorize(&A_, L_, &common_) != 0 &&
+             common_.status == CHOLMOD_OK && L_->minor == L_->n;
+    return ready_;
+  }
+
+  void solve(Eigen::Ref<MatX> columns) const override {
+    assert(ready_);
+    work_.resize(plan_->size(), columns.cols());
+    plan_->restrict_to_free(columns, work_);
+    if (plan_->size() == 0) {
+      columns.setZero();
+      return;
+    }
+    cholmod_dense b{};
+    b.nrow = static_cast<std::size_t>(work_.rows());
+    b.ncol = static_cast<std::size_t>(work_.cols());
+    b.nzmax = b.nrow * b.ncol;
+    b.d = b.nrow;
+    b.x = work_.data();
+    b.xtype = CHOLMOD_REAL;
+    b.dtype = CHOLMOD_DOUBLE;
+    cholmod_solve2(CHOLMOD_A, L_, &b, nullptr, &x_, nullptr, &y_, &e_, &common_);
+    plan_->extend(Eigen::Map<const MatX>(static_cast<const Real*>(x_->x), work_.rows(), work_.cols()),
+                  columns);
+  }
+
+  MatX tail_compliance() const override {
+    const Index tail = 3 * static_cast<Index>(plan_->tail.size());
+    if (tail == 0 || !ready_) return {};
+    // Supernode s holds columns super[s] .. super[s+1] of L; its rows are s[pi[s]] .. , its numbers
+    // are dense from px[s], leading dimension the number of rows.
+    const Index first = plan_->size() - tail;
+    const auto* super = static_cast<const int*>(L_->super);
+    const auto* pi = static_cast<const int*>(L_->pi);
+    const auto* px = static_cast<const int*>(L_->px);
+    const auto* rows = static_cast<const int*>(L_->s);
+    const auto* x = static_cast<const Real*>(L_->x);
+    MatX lower = MatX::Zero(tail, tail);
+    for (std::size_t s = 0; s < L_->nsuper; ++s) {
+      const int height = pi[s + 1] - pi[s];
+      for (int c = super[s]; c < super[s + 1]; ++c) {
+        if (c < first) continue;
+        for (int k = c - super[s]; k < height; ++k)
+          lower(rows[pi[s] + k] - first, c - first) =
+              x[px[s] + k + static_cast<Index>(c - super[s]) * height];
+      }
+    }
+    const MatX inverse = inverse_of_product(lower);
+    // CHOLMOD's own order of the tail -> ours.
+    const auto* perm = static_cast<const int*>(L_->Perm);
+    MatX C(tail, tail);
+    for (Index c = 0; c < tail; ++c)
+      for (Index r = 0; r < tail; ++r) {
+        assert(perm[first + r] >= first);
+        C(perm[first + r] - first, perm[first + c] - first) = inverse(r, c);
+      }
+    return C;
+  }
+
+  Index stored() const override { return L_ ? static_cast<Index>(L_->xsize) : 0; }
+
+ private:
+  std::shared_ptr<const FactorPlan> plan_;
+  std::vector<Real> entries_;
+  cholmod_sparse A_{};
+  mutable cholmod_common common_{};
+  cholmod_factor* L_ = nullptr;
+  mutable cholmod_dense* x_ = nullptr;  // kept by cholmod_solve2 from call to call
+  mutable cholmod_dense* y_ = nullptr;
+  mutable cholmod_dense* e_ = nullptr;
+  bool ready_ = false;
+  mutable MatX work_;
+};
+
+}  // namespace
+
+std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<const FactorPlan> plan) {
+  return std::make_unique<CholmodFactor>(std::move(plan));
+}
+
+}  // namespace sutura
+
+#endif

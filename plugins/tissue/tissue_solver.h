@@ -1,0 +1,48 @@
+// How a tissue solves A x = b: the interface its component calls, once or more per step.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "block_matrix.h"
+#include "sutura/types.h"
+
+namespace sutura {
+
+/// What the solver did in this step.
+struct TissueSolveReport {
+  Index iterations = 0;     ///< of PCG, summed over all solves of the step; 0: direct
+  Index solves = 0;         ///< right-hand sides
+  Real residual = 0;        ///< |b - A x| / |b|, the worst of the step
+  Index factor_age = 0;     ///< steps between the factorised matrix and this one
+  Index adopted_at = -1;    ///< step at which the factor in use was adopted
+  Index failed_factors = 0; ///< factorisations that failed so far
+  bool converged = true;
+  bool stale = false;       ///< the factor is older than the policy allows: the worker is late
+  std::string message;      ///< empty, or a sentence on what went wrong
+};
+
+class TissueSolver {
+ public:
+  static constexpr const char* interface_name = "TissueSolver";
+  virtual ~TissueSolver() = default;
+
+  /// Before the first step. `fixed`: per node, nonzero if prescribed; copied. `candidates`: nodes
+  /// whose compliance will be asked for.
+  virtual void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+                       std::span<const Index> candidates) = 0;
+  /// The matrix of this step (kept by reference until the next call, never written) and the
+  /// rotation of the material around each node, from rest to now.
+  virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) = 0;
+  /// columns <- A^-1 columns to the tolerance of the solver; fixed nodes answer zero.
+  virtual void solve(Eigen::Ref<MatX> columns) = 0;
+  /// True if every node of `nodes` is a free candidate or fixed, and `compliance_block` may be used.
+  virtual bool has_compliance(std::span<const Index> nodes) const = 0;
+  /// The block of A^-1 that couples candidates i and j, as of the factor in use turned to now: exact
+  /// for a direct solver, approximate (age, deformation) for an asynchronous one.
+  virtual Mat3 compliance_block(Index i, Index j) const = 0;
+  virtual const TissueSolveReport& report() const = 0;
+};
+
+}  // namespace sutura

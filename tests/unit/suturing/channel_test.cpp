@@ -1,0 +1,132 @@
+// The channel: made by an advancing tip, left by a retracting one, found again, emptied by the end of the thread.
+#include "channel.h"
+
+#include <gtest/gtest.h>
+
+#include "fake_bodies.h"
+
+namespace sutura::testing {
+namespace {
+
+constexpr Real mm = 1e-3;
+
+class ChannelTest : public ::testing::Test {
+ protected:
+  ChannelTest() {
+    slab.thickness = 20 * mm;
+    needle.length_ = 40 * mm;
+  }
+  void move_to(Real depth) {
+    needle.now_ = depth;
+    channel.update();
+  }
+  EmbeddedPoint top() const { return SpringSlab::embedded(Vec3(needle.sideways, 0, 0)); }
+  EmbeddedPoint bottom() const { return SpringSlab::embedded(Vec3(needle.sideways, 0, -20 * mm)); }
+
+  RigidNeedle needle;
+  SpringSlab slab;
+  Channel channel{needle, slab, 1 * mm};
+};
+
+TEST_F(ChannelTest, EnteringRecordsWhatTheTipHasPassed) {
+  needle.now_ = 2.5 * mm;
+  channel.enter(top());
+  // Entry, 1 mm, 2 mm: the end at 2.5 mm is no sample yet.
+  ASSERT_EQ(channel.passed(), 3u);
+  EXPECT_TRUE(channel.tip_inside());
+  EXPECT_TRUE(channel.tip_at_end());
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(channel.samples()[i].depth, Real(i) * mm, 1e-15);
+    EXPECT_NEAR(channel.samples()[i].abscissa, (2.5 - Real(i)) * mm, 1e-15);
+  }
+  EXPECT_NEAR(channel.tip_depth(), 2.5 * mm, 1e-15);
+}
+
+TEST_F(ChannelTest, LengthsAddUpToWhatIsInside) {
+  needle.now_ = 0.3 * mm;
+  channel.enter(top());
+  for (const Real depth : {0.9, 1.7, 4.2, 4.3, 9.9}) {
+    move_to(depth * mm);
+    EXPECT_NEAR(channel.inserted_length(), depth * mm, 1e-15);
+  }
+  EXPECT_EQ(channel.passed(), 10u);  // the entry and one each millimetre
+}
+
+TEST_F(ChannelTest, RetractionLeavesSamplesAndReinsertionFindsThem) {
+  needle.now_ = 0.1 * mm;
+  channel.enter(top());
+  move_to(8.4 * mm);
+  const auto id = channel.samples()[8].id;
+  const Real end = channel.end_depth();
+  move_to(3.4 * mm);
+  EXPECT_EQ(channel.passed(), 4u);
+  EXPECT_FALSE(channel.tip_at_end());
+  EXPECT_NEAR(channel.end_depth(), end, 1e-15) << "what has been cut stays cut";
+  for (Real depth = 3.4; depth < 8.3; depth += 0.3) move_to(depth * mm);
+  EXPECT_FALSE(channel.tip_at_end());
+  move_to(8.7 * mm);
+  EXPECT_EQ(channel.samples()[8].id, id) << "the old channel, not a new one";
+  EXPECT_EQ(channel.passed(), 9u);
+  EXPECT_TRUE(channel.tip_at_end());
+}
+
+TEST_F(ChannelTest, OutAndInAgainThroughTheSameMouthNeedsNoPuncture) {
+  needle.now_ = 0.1 * mm;
+  channel.enter(top());
+  move_to(3.2 * mm);
+  move_to(-0.5 * mm);
+  EXPECT_EQ(channel.passed(), 0u);
+  EXPECT_FALSE(channel.tip_inside());
+  EXPECT_TRUE(channel.mouth_near(needle.point(0, Configuration::current), 1 * mm));
+  move_to(0.4 * mm);
+  EXPECT_TRUE(channel.tip_inside());
+  EXPECT_FALSE(channel.tip_at_end());
+}
+
+TEST_F(ChannelTest, ElsewhereTheOldMouthDoesNotHelpAndANewBiteForgetsIt) {
+  needle.now_ = 0.1 * mm;
+  channel.enter(top());
+  move_to(3.2 * mm);
+  move_to(-0.5 * mm);
+  needle.sideways = 5 * mm;
+  move_to(0.4 * mm);
+  EXPECT_FALSE(channel.tip_inside());
+  EXPECT_FALSE(channel.mouth_near(needle.point(0, Configuration::current), 1 * mm));
+  channel.enter(top());
+  EXPECT_TRUE(channel.tip_inside());
+  EXPECT_EQ(channel.samples().size(), 1u);
+}
+
+TEST_F(ChannelTest, ThroughAndOutTheThreadLeavesTheChannelEmpty) {
+  needle.now_ = 0.1 * mm;
+  channel.enter(top());
+  move_to(19.6 * mm);
+  needle.now_ = 21.3 * mm;
+  channel.leave(bottom());
+  EXPECT_FALSE(channel.tip_inside());
+  EXPECT_NEAR(channel.inserted_length(), 20 * mm, 1e-12);
+  EXPECT_EQ(channel.samples().back().kind, PathSample::Kind::exit);
+  EXPECT_NEAR(channel.samples().back().abscissa, 1.3 * mm, 1e-12);
+  move_to(35 * mm);
+  EXPECT_NEAR(channel.inserted_length(), 20 * mm, 1e-12);
+  // The thread is 40 mm long: at 45 mm of travel its end is 5 mm deep, at 61 mm it is out.
+  move_to(45 * mm);
+  EXPECT_NEAR(channel.samples().front().depth, 5 * mm, 1 * mm);
+  move_to(61 * mm);
+  EXPECT_EQ(channel.passed(), 0u);
+  EXPECT_EQ(channel.inserted_length(), 0);
+}
+
+TEST_F(ChannelTest, PullingTheTipBackThroughTheExitIsInsideAgain) {
+  needle.now_ = 0.1 * mm;
+  channel.enter(top());
+  move_to(19.6 * mm);
+  needle.now_ = 20.5 * mm;
+  channel.leave(bottom());
+  move_to(18 * mm);
+  EXPECT_TRUE(channel.tip_inside());
+  EXPECT_NEAR(channel.inserted_length(), 18 * mm, 1e-12);
+}
+
+}  // namespace
+}  // namespace sutura::testing
