@@ -22,18 +22,24 @@ bool Channel::tip_at_end() const {
   return tip_inside() && passed_ == samples_.size() && tip_depth() > end_depth_ - 0.02 * spacing_;
 }
 
-Real Channel::length_of(std::size_t i) const {
+Channel::Share Channel::share_of(std::size_t i) const {
   const PathSample& s = samples_[i];
-  Real length = 0;
-  if (s.kind != PathSample::Kind::entry && i > 0) length += 0.5 * (s.depth - samples_[i - 1].depth);
-  if (s.kind == PathSample::Kind::exit) return length;
-  if (i + 1 < passed_) return length + 0.5 * (samples_[i + 1].depth - s.depth);
-  return length + s.abscissa;  // the last one holds what is between it and the tip
+  Share share{s.abscissa, s.abscissa};
+  if (s.kind != PathSample::Kind::entry && i > 0) {
+    share.high += 0.5 * (s.depth - samples_[i - 1].depth);
+  }
+  if (s.kind == PathSample::Kind::exit) return share;
+  if (i + 1 < passed_) share.low -= 0.5 * (samples_[i + 1].depth - s.depth);
+  else share.low = 0;
+  return share;
 }
 
 Real Channel::inserted_length() const {
   Real sum = 0;
-  for (std::size_t i = 0; i < passed_; ++i) sum += length_of(i);
+  for (std::size_t i = 0; i < passed_; ++i) {
+    const Share share = share_of(i);
+    sum += share.high - share.low;
+  }
   return sum;
 }
 

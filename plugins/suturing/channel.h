@@ -41,8 +41,13 @@ class Channel {
   const EmbeddedPoint& end() const { return end_; }
   /// Length of thread or needle inside the tissue (m), over all bites.
   Real inserted_length() const;
-  /// Length of channel that sample i stands for (m); their sum is inserted_length.
-  Real length_of(std::size_t i) const;
+  /// What sample i stands for: the thread between half way to its neighbours, from abscissa `low` to `high` (m). The last one
+  /// before the tip has all that is between it and the tip. The lengths add up to inserted_length.
+  struct Share {
+    Real low = 0;
+    Real high = 0;
+  };
+  Share share_of(std::size_t i) const;
 
   /// A mouth through which the tip could slide back in without puncture: within `reach` of `point`.
   bool mouth_near(const Vec3& point, Real reach) const;

@@ -1,11 +1,23 @@
 #include "path_friction.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "path_friction_law.h"
 
 namespace sutura {
+namespace {
+
+/// Surface of a stretch of needle and thread (m^2): both are cylinders, and meet at the swage.
+Real surface(const CurveBody& thread, const Channel::Share& share) {
+  const Real swage = thread.needle_length();
+  const Real on_needle = std::max(std::min(share.high, swage) - share.low, Real(0));
+  const Real on_thread = share.high - share.low - on_needle;
+  return 2 * std::numbers::pi * (on_needle * thread.radius(0) + on_thread * thread.radius(thread.length()));
+}
+
+}  // namespace
 
 void PathFriction::describe(Describe<PathFriction>& d) {
   d.summary(
@@ -53,7 +65,7 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
   blocks_.clear();
   limit_ = 0;
   for (const Crossing& c : path_->crossings()) {
-    const Real area = c.length * std::numbers::pi * 2 * path_->thread().radius(c.abscissa);
+    const Real area = surface(path_->thread(), c.share);
     PathFrictionLaw::Params params;
     const PathSample& sample = path_->channel().samples()[c.sample];
     // The force across the thread is that of the step before: exact in steady sliding.

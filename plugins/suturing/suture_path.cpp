@@ -79,7 +79,7 @@ void SuturePath::detect(const StepContext&) {
     const PathSample& s = channel.samples()[i];
     crossings_.push_back(cross(s.at, s.id, s.abscissa, s.slip));
     crossings_.back().sample = i;
-    crossings_.back().length = channel.length_of(i);
+    crossings_.back().share = channel.share_of(i);
   }
   sample_crossings_ = crossings_.size();
   if (channel.tip_at_end()) {

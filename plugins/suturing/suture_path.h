@@ -16,7 +16,7 @@ struct Crossing {
   std::size_t sample = 0;   ///< index into Channel::samples
   std::uint64_t id = 0;     ///< of the sample; the end of the channel has an id of its own
   Real abscissa = 0;        ///< of the material point expected at the sample at the end of the step (m)
-  Real length = 0;          ///< of channel it stands for (m)
+  Channel::Share share;     ///< of the thread
   Vec3 position = Vec3::Zero();
   Mat3 axes = Mat3::Identity();  ///< rows: thread tangent (towards growing abscissa), two normals
   Vec3 free = Vec3::Zero();      ///< thread point minus tissue point after free motion, along `axes` (m); the axial one is
