@@ -134,11 +134,11 @@ TEST_F(Recorders, ProbeErrorsNameTheNearest) {
   EXPECT_NE(error("/rod.velocity").find("it has tip, held"), std::string::npos);
   EXPECT_NE(error("rod").find("as in /holder.force"), std::string::npos);
   EXPECT_NE(error("/rod.").find("as in /holder.force"), std::string::npos);
-  EXPECT_NE(run(rod + "<CsvProbe columns='/rod.tip'/><CsvProbe columns='/rod.held'/>", 0)
+  EXPECT_NE(run(rod + "<CsvProbe name='a' columns='/rod.tip'/><CsvProbe name='b' columns='/rod.held'/>", 0)
                 .find("overwrite"),
             std::string::npos);
   EXPECT_EQ(
-      run(rod + "<CsvProbe columns='/rod.tip'/><CsvProbe columns='/rod.held' file='b.csv'/>", 0),
+      run(rod + "<CsvProbe name='a' columns='/rod.tip'/><CsvProbe name='b' columns='/rod.held' file='b.csv'/>", 0),
       "");
 }
 
