@@ -1,6 +1,6 @@
 // From the tree of a scene to the flat lists of a simulation.
 #include <algorithm>
-#include <map>
+#include <set>
 
 #include "runtime/gauss_seidel_component.h"
 #include "sutura/simulation.h"
@@ -8,35 +8,23 @@
 namespace sutura {
 namespace {
 
-/// Components so that each comes after those it links to. A cycle is reported once.
+/// Components so that each comes after those it links to; document order otherwise. Loading has refused rings of links.
 class InitialisationOrder {
  public:
-  InitialisationOrder(const Scene& scene, Diagnostics& diagnostics)
-      : scene_(scene), diagnostics_(diagnostics) {
+  explicit InitialisationOrder(const Scene& scene) : scene_(scene) {
     for (Component* c : scene.components()) visit(*c);
   }
   const std::vector<Component*>& components() const { return order_; }
 
  private:
-  enum class Mark { open, done };
-
   void visit(Component& c) {
-    if (const auto it = marks_.find(&c); it != marks_.end()) {
-      if (it->second == Mark::open) {
-        diagnostics_.error(c.location(), c.path(),
-                           "links form a circle through '" + c.path() + "'; one of them must go");
-      }
-      return;
-    }
-    marks_[&c] = Mark::open;
+    if (!visited_.insert(&c).second) return;
     for (Component* target : scene_.links_of(c)) visit(*target);
-    marks_[&c] = Mark::done;
     order_.push_back(&c);
   }
 
   const Scene& scene_;
-  Diagnostics& diagnostics_;
-  std::map<const Component*, Mark> marks_;
+  std::set<const Component*> visited_;
   std::vector<Component*> order_;
 };
 
@@ -51,8 +39,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   std::unique_ptr<Simulation> s(new Simulation);
   s->scene_ = std::move(scene);
   const std::vector<Component*> document = s->scene_->components();
-  const InitialisationOrder order(*s->scene_, diagnostics);
-  if (!diagnostics.ok()) return nullptr;
+  const InitialisationOrder order(*s->scene_);
 
   Setup setup{.diagnostics = diagnostics,
               .scene_directory = s->scene_->file.parent_path(),
