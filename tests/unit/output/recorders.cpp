@@ -23,7 +23,7 @@ struct Pull {  // lambda is whatever its parameter says: a law that needs no sol
     lambda[0] = p.force;
     mode = 3;
   }
-  static void free_directions(const BlockMatrix<1>&, const Params&, Mode, const BlockVector<1>&,
+  static void free_directions(const BlockVector<1>&, const Params&, Mode, const BlockVector<1>&,
                               FreeDirections<1>& free) {
     free.count = 0;
   }
@@ -134,12 +134,15 @@ TEST_F(Recorders, ProbeErrorsNameTheNearest) {
   EXPECT_NE(error("/rod.velocity").find("it has tip, held"), std::string::npos);
   EXPECT_NE(error("rod").find("as in /holder.force"), std::string::npos);
   EXPECT_NE(error("/rod.").find("as in /holder.force"), std::string::npos);
-  EXPECT_NE(run(rod + "<CsvProbe name='a' columns='/rod.tip'/><CsvProbe name='b' columns='/rod.held'/>", 0)
-                .find("overwrite"),
-            std::string::npos);
-  EXPECT_EQ(
-      run(rod + "<CsvProbe name='a' columns='/rod.tip'/><CsvProbe name='b' columns='/rod.held' file='b.csv'/>", 0),
-      "");
+  EXPECT_NE(
+      run(rod + "<CsvProbe name='a' columns='/rod.tip'/><CsvProbe name='b' columns='/rod.held'/>",
+          0)
+          .find("overwrite"),
+      std::string::npos);
+  EXPECT_EQ(run(rod + "<CsvProbe name='a' columns='/rod.tip'/><CsvProbe name='b' "
+                      "columns='/rod.held' file='b.csv'/>",
+                0),
+            "");
 }
 
 TEST_F(Recorders, VtuHoldsBodiesAndConstraintForces) {
