@@ -1,0 +1,175 @@
+#include "solve/gauss_seidel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sutura {
+
+namespace {
+
+/// Irreversible events wait for forces that are converged at least this well (in units of the blocks): fired on transient
+/// forces they end in wrong states (algorithms.md, finding 4).
+constexpr Real event_gate = 1e-3;
+
+/// Direct steps in a row before sweeps get another turn.
+constexpr int steps_in_a_row = 12;
+
+void update_delta(ConstraintProblem& problem) {
+  problem.delta = problem.d_free;
+  problem.delta.noalias() += problem.W * problem.lambda;
+}
+
+}  // namespace
+
+/// A new order for every sweep: good whatever the graph of contacts (algorithms.md, finding 5). Seeded per solve, so that
+/// the result depends on the problem and the seed alone.
+void BlockGaussSeidel::shuffle() {
+  for (std::size_t i = order_.size(); i > 1; --i) {
+    random_ += 0x9e3779b97f4a7c15ULL;  // SplitMix64 (Steele, Lea, Flood 2014)
+    std::uint64_t z = random_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    std::swap(order_[i - 1], order_[(z ^ (z >> 31)) % i]);
+  }
+}
+
+void BlockGaussSeidel::sweep(ConstraintProblem& problem) {
+  shuffle();
+  for (const std::size_t i : order_) {
+    ConstraintBlock& b = problem.blocks[i];
+    const int dim = b.law->dim;
+    const Real* W = diagonal_[i];
+    Real* lambda = problem.lambda.data() + b.first_row;
+    Real d[max_block_dim], old[max_block_dim];
+    own_free_violation(dim, W, problem.delta.data() + b.first_row, lambda, d);
+    std::copy_n(lambda, dim, old);
+    b.law->project({W, d, problem.block_params(b), &b.mode, lambda});
+    // delta is kept up to date by columns: W is symmetric and stored by columns.
+    for (int k = 0; k < dim; ++k)
+      if (const Real change = lambda[k] - old[k]; change != 0)
+        problem.delta += change * problem.W.col(b.first_row + k);
+  }
+}
+
+void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {
+  // The change of a sweep is minus the gradient; Fletcher-Reeves, restarted when it grows.
+  const Real gradient = (problem.lambda - before_).squaredNorm();
+  if (last_gradient_ > 0 && gradient <= last_gradient_) {
+    problem.lambda += (gradient / last_gradient_) * search_;
+    update_delta(problem);
+  }
+  search_ = problem.lambda - before_;
+  last_gradient_ = gradient;
+}
+
+Index BlockGaussSeidel::fire_events(ConstraintProblem& problem) const {
+  Index fired = 0;
+  for (ConstraintBlock& b : problem.blocks)
+    if (b.law->event != nullptr &&
+        b.law->event(problem.block_params(b), problem.delta.data() + b.first_row, &b.mode,
+                     problem.lambda.data() + b.first_row))
+      ++fired;
+  return fired;
+}
+
+/// Counted in multiplications: the sweeps still needed at the present rate against one factorisation.
+bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index free, Real before,
+                                        Real now) const {
+  const Real n = static_cast<Real>(problem.rows()), f = static_cast<Real>(free);
+  const Real rate = std::clamp(now / before, Real(1e-3), Real(0.9999));
+  const Real sweeps_left = std::log(options_.tolerance / now) / std::log(rate);
+  return sweeps_left * n * n > f * f * f / 6 + f * n + 2 * n * n;
+}
+
+/// Newton over the laws' tangents, as long as it gets somewhere; leaves the best point met.
+Residual BlockGaussSeidel::direct_steps(ConstraintProblem& problem, Residual residual,
+                                        SolveReport& report) {
+  Residual best = residual;
+  Real previous = residual.value;
+  best_lambda_ = problem.lambda;
+  for (int step = 0; step < steps_in_a_row; ++step) {
+    if (step > 0) {
+      subspace_.gather(problem, diagonal_, lambda_plus_);
+      // Same tangents twice: what is left is rounding.
+      if (subspace_.unchanged() && residual.value > 0.5 * previous) break;
+      previous = residual.value;
+    }
+    if (!subspace_.solve(problem, lambda_plus_)) break;
+    ++report.direct_solves;
+    residual = natural_map(problem, diagonal_, lambda_plus_);
+    if (!std::isfinite(residual.value)) break;
+    if (residual.value < best.value) {
+      best = residual;
+      best_lambda_ = problem.lambda;
+    }
+    if (residual.value <= options_.tolerance) break;
+  }
+  problem.lambda = best_lambda_;
+  update_delta(problem);
+  return natural_map(problem, diagonal_, lambda_plus_);
+}
+
+SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
+  SolveReport report;
+  if (problem.blocks.empty()) return report;
+  diagonal_.extract(problem);
+  subspace_.begin();
+  random_ = options_.seed;
+  order_.resize(problem.blocks.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  last_gradient_ = 0;
+  search_.setZero(problem.rows());
+
+  update_delta(problem);
+  Residual residual = natural_map(problem, diagonal_, lambda_plus_);
+  Index pause = 0;  // sweeps before the next direct step
+  Index wait = 1;
+  while (true) {
+    if (!std::isfinite(residual.value)) break;
+    const bool converged = residual.value <= options_.tolerance;
+    // A problem that will not converge to the tolerance must not hold its events for ever.
+    if (converged || (residual.value <= event_gate && 2 * report.sweeps >= options_.sweeps)) {
+      const Index fired = fire_events(problem);
+      if (fired > 0) {
+        report.events += fired;
+        residual = natural_map(problem, diagonal_, lambda_plus_);
+        pause = 0;
+        wait = 1;
+        last_gradient_ = 0;
+        continue;
+      }
+    }
+    if (converged || report.sweeps >= options_.sweeps) break;
+
+    const Real before = residual.value;
+    if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
+    sweep(problem);
+    ++report.sweeps;
+    if (options_.acceleration == Acceleration::nncg) conjugate(problem);
+    residual = natural_map(problem, diagonal_, lambda_plus_);
+
+    if (options_.acceleration == Acceleration::subspace && residual.value > options_.tolerance &&
+        --pause < 0) {
+      const Index free = subspace_.gather(problem, diagonal_, lambda_plus_);
+      if (direct_step_pays(problem, free, before, residual.value)) {
+        const Real swept = residual.value;
+        residual = direct_steps(problem, residual, report);
+        // Modes were not right yet: let sweeps find them, longer each time.
+        wait = residual.value < 0.1 * swept ? 1 : 2 * wait;
+        pause = wait;
+      }
+    }
+  }
+
+  report.residual = residual.value;
+  report.violation = residual.violation;
+  report.converged = residual.value <= options_.tolerance;
+  if (!std::isfinite(residual.value)) {
+    problem.lambda.setZero();
+    problem.delta = problem.d_free;
+  }
+  return report;
+}
+
+}  // namespace sutura

@@ -1,0 +1,51 @@
+// Block Gauss-Seidel on the assembled W, with events and a direct step. docs/theory/solver.md.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solve/law_residual.h"
+#include "solve/subspace_step.h"
+#include "sutura/constraints.h"
+
+namespace sutura {
+
+enum class Acceleration {
+  none,
+  nncg,     ///< nonlinear conjugate gradient over sweeps (Silcowitz-Hansen, Niebe, Erleben 2010)
+  subspace  ///< direct solve over the free directions once it is cheaper than the sweeps left
+};
+
+struct GaussSeidelOptions {
+  Real tolerance = 1e-5;  ///< of the law residual, in units of the blocks
+  Index sweeps = 1000;    ///< budget
+  std::uint64_t seed = 1; ///< of the order of blocks
+  Acceleration acceleration = Acceleration::subspace;
+};
+
+class BlockGaussSeidel {
+ public:
+  explicit BlockGaussSeidel(GaussSeidelOptions options = {}) : options_(options) {}
+  GaussSeidelOptions& options() { return options_; }
+
+  SolveReport solve(ConstraintProblem& problem);
+
+ private:
+  void shuffle();
+  void sweep(ConstraintProblem& problem);
+  void conjugate(ConstraintProblem& problem);
+  Index fire_events(ConstraintProblem& problem) const;
+  bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
+  Residual direct_steps(ConstraintProblem& problem, Residual residual, SolveReport& report);
+
+  GaussSeidelOptions options_;
+  DiagonalBlocks diagonal_;
+  SubspaceStep subspace_;
+  std::uint64_t random_ = 0;
+  std::vector<std::size_t> order_;
+  VecX lambda_plus_, best_lambda_;
+  VecX before_, search_;        // NNCG
+  Real last_gradient_ = 0;
+};
+
+}  // namespace sutura

@@ -1,0 +1,56 @@
+#include "solve/law_residual.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sutura {
+
+void DiagonalBlocks::extract(const ConstraintProblem& problem) {
+  values_.clear();
+  offset_.clear();
+  for (const ConstraintBlock& b : problem.blocks) {
+    offset_.push_back(values_.size());
+    const Index dim = b.law->dim;
+    for (Index j = 0; j < dim; ++j)
+      for (Index i = 0; i < dim; ++i)
+        values_.push_back(problem.W(b.first_row + i, b.first_row + j));
+  }
+}
+
+void Residual::add(const ConstraintBlock& block, const Real* W, const Real* change) {
+  const int dim = block.law->dim;
+  Real force = 0, length = 0;
+  for (int i = 0; i < dim; ++i) {
+    Real moved = 0;
+    for (int j = 0; j < dim; ++j) moved += W[i + j * dim] * change[j];
+    force += change[i] * change[i];
+    length += moved * moved;
+  }
+  force = std::sqrt(force);
+  length = std::sqrt(length);
+  const Real here = std::max(force / block.units.force, length / block.units.length);
+  // Written so that a NaN stays.
+  if (!(here <= value)) value = here;
+  if (!(length <= violation)) violation = length;
+}
+
+Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus) {
+  Residual residual;
+  lambda_plus.resize(problem.rows());
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    ConstraintBlock& b = problem.blocks[i];
+    const int dim = b.law->dim;
+    const Real* W = diagonal[i];
+    const Real* lambda = problem.lambda.data() + b.first_row;
+    Real* plus = lambda_plus.data() + b.first_row;
+    Real d[max_block_dim], change[max_block_dim];
+    own_free_violation(dim, W, problem.delta.data() + b.first_row, lambda, d);
+    std::copy_n(lambda, dim, plus);
+    b.law->project({W, d, problem.block_params(b), &b.mode, plus});
+    for (int k = 0; k < dim; ++k) change[k] = plus[k] - lambda[k];
+    residual.add(b, W, change);
+  }
+  return residual;
+}
+
+}  // namespace sutura

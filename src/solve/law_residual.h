@@ -1,0 +1,42 @@
+// How far a problem is from its laws: the natural map. For every block, lambda_plus is what its law answers to the
+// present delta; a solution has lambda_plus = lambda. Measured in the units of each block, as a force and as a length.
+#pragma once
+
+#include <vector>
+
+#include "sutura/constraints.h"
+
+namespace sutura {
+
+/// The blocks of W on its diagonal, packed, so that a law gets a contiguous matrix.
+class DiagonalBlocks {
+ public:
+  void extract(const ConstraintProblem& problem);
+  const Real* operator[](std::size_t block) const { return &values_[offset_[block]]; }
+
+ private:
+  std::vector<Real> values_;
+  std::vector<std::size_t> offset_;
+};
+
+struct Residual {
+  Real value = 0;      ///< largest over the blocks, in their units
+  Real violation = 0;  ///< largest |W_cc (lambda_plus - lambda)|, m
+  /// Counts the change of one block.
+  void add(const ConstraintBlock& block, const Real* W, const Real* change);
+};
+
+/// Asks every law with the present lambda and delta. Updates the reversible modes; lambda is left alone.
+Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus);
+
+/// d = delta - W_cc lambda of one block.
+inline void own_free_violation(int dim, const Real* W, const Real* delta, const Real* lambda,
+                               Real* d) {
+  for (int i = 0; i < dim; ++i) {
+    Real own = 0;
+    for (int j = 0; j < dim; ++j) own += W[i + j * dim] * lambda[j];
+    d[i] = delta[i] - own;
+  }
+}
+
+}  // namespace sutura
