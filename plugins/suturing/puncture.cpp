@@ -146,21 +146,20 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   PunctureLaw::Params params;
   params.normal = touched_.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.fp =
+  params.puncture_force =
       front_ == Front::exit ? exit_threshold_
                             : region_value(region, regions_, region_thresholds_, threshold_);
-  threshold_here_ = params.fp;
-  params.fc = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
+  threshold_here_ = params.puncture_force;
+  params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
   params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
-  params.mu = front_ == Front::layer ? 0 : friction_;
+  params.friction = front_ == Front::layer ? 0 : friction_;
 
-  params.gap = touched_.normal.dot(tip - touched_.position);
-  const Vec3 free = (thread.point(0, Configuration::free) - tip) -
-                    (tissue.position(touched_.at, Configuration::free) - touched_.position);
+  const Vec3 free = thread.point(0, Configuration::free) -
+                    tissue.position(touched_.at, Configuration::free);
   block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)), params,
-                                    BlockVector<3>(free), PunctureLaw::free,
-                                    {.force = params.fp});
+                                    BlockVector<3>(free), PunctureLaw::pressing,
+                                    {.force = params.puncture_force});
   const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
@@ -172,7 +171,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (!block_.valid()) return;
   force_ = touched_.normal.dot(solved.force(block_));
-  if (!PunctureLaw::is_penetrated(solved.mode(block_))) {
+  if (solved.mode(block_) != PunctureLaw::penetrated) {
     peak_force_ = std::max(peak_force_, force_);
     return;
   }
