@@ -4,7 +4,7 @@
 //   struct Unilateral {                         // 0 <= delta  _|_  lambda >= 0
 //     static constexpr int dim = 1;
 //     static constexpr const char* name = "unilateral";
-//     struct Params { };                        // trivially copyable
+//     struct Params { };                        // copied as bytes
 //     static void project(const BlockMatrix<1>& W, const BlockVector<1>& d, const Params&,
 //                         Mode&, BlockVector<1>& lambda) { lambda = max(0, -d / W); }
 //     static void free_directions(...)          // see below
@@ -53,7 +53,11 @@ struct FreeDirections {
 
 template <class L>
 concept Law =
-    std::is_trivially_copyable_v<typename L::Params> && (L::dim >= 1) && (L::dim <= max_block_dim) &&
+    // Parameters are copied as bytes into the problem: plain members, Vec3 and other fixed-size
+    // Eigen vectors that need no special alignment.
+    std::is_trivially_destructible_v<typename L::Params> &&
+    (alignof(typename L::Params) <= alignof(std::max_align_t)) && (L::dim >= 1) &&
+    (L::dim <= max_block_dim) &&
     requires(const BlockMatrix<L::dim>& W, const BlockVector<L::dim>& d,
              const typename L::Params& p, Mode& mode, BlockVector<L::dim>& lambda,
              FreeDirections<L::dim>& free) {
