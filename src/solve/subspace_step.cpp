@@ -137,4 +137,31 @@ bool SubspaceStep::solve(ConstraintProblem& problem, const VecX& lambda_plus) {
   return problem.lambda.allFinite();
 }
 
+Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                              Residual residual, Real tolerance, VecX& lambda_plus,
+                              Index& direct_solves) {
+  // Modes that have not settled after this many are left to the caller.
+  constexpr int steps_in_a_row = 12;
+  Residual best = residual;
+  Real previous = residual.value;
+  best_lambda_ = problem.lambda;
+  for (int step = 0; step < steps_in_a_row && residual.value > tolerance; ++step) {
+    gather(problem, diagonal, lambda_plus);
+    // Same tangents twice: what is left is rounding.
+    if (step > 0 && unchanged() && residual.value > 0.5 * previous) break;
+    previous = residual.value;
+    if (!solve(problem, lambda_plus)) break;
+    ++direct_solves;
+    residual = natural_map(problem, diagonal, lambda_plus);
+    if (!std::isfinite(residual.value)) break;
+    if (residual.value < best.value) {
+      best = residual;
+      best_lambda_ = problem.lambda;
+    }
+  }
+  problem.lambda = best_lambda_;
+  update_delta(problem);
+  return natural_map(problem, diagonal, lambda_plus);
+}
+
 }  // namespace sutura
