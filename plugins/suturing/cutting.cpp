@@ -53,7 +53,7 @@ void Cutting::build(const StepContext&, ConstraintBuilder& builder) {
   if (ahead > 2 * tip_motion.norm() + path_->spacing()) return;
 
   const BlockVector<1> free(ahead + forward.dot(end_motion - tip_motion));
-  block_ = builder.add<CuttingLaw>(make_key(source_id_, 0), {.fc = threshold(end)}, free);
+  block_ = builder.add<CuttingLaw>(make_key(source_id_, 0), {.threshold = threshold(end)}, free);
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
   builder.couple(block_, thread, -forward.transpose(), J, tip);

@@ -70,18 +70,18 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
     const PathSample& sample = path_->channel().samples()[c.sample];
     // The force across the thread is that of the step before: exact in steady sliding.
     const Real normal = area * pressure_ + lateral_share_ * sample.lateral_force;
-    params.kinetic_level = coefficient_ * normal;
+    params.kinetic = coefficient_ * normal;
     params.static_level = static_coefficient_ * normal;
-    params.viscosity = area * viscosity_ / context.dt;
-    params.band = stick_speed_ * context.dt;
-    limit_ += params.kinetic_level;
+    params.viscous = area * viscosity_ / context.dt;
+    params.stick_slip = stick_speed_ * context.dt;
+    limit_ += params.kinetic;
     const BlockId block =
         builder.add<PathFrictionLaw>(make_key(source_id_, c.id), params,
                                      BlockVector<1>(c.free.x()), sample.friction_mode);
     const Eigen::Matrix<Real, Eigen::Dynamic, 3> along = c.axes.topRows<1>();
     builder.couple(block, path_->thread(), along, c.thread, c.position);
     builder.couple(block, path_->tissue(), -along, c.tissue, c.position);
-    blocks_.push_back({block, c.id, params});
+    blocks_.push_back({block, c.id, params.stick_slip});
   }
 }
 
@@ -89,11 +89,11 @@ void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
   force_ = 0;
   sliding_ = 0;
   for (const SampleBlock& b : blocks_) {
-    const Mode mode = solved.mode(b.block);
+    const Real slip = std::abs(solved.delta(b.block)[0]);
+    const bool slid = solved.mode(b.block) == PathFrictionLaw::slip && slip > b.stick_slip;
     force_ += solved.lambda(b.block)[0];
-    if (mode == PathFrictionLaw::slip_forward || mode == PathFrictionLaw::slip_backward) ++sliding_;
-    path_->channel().set_friction_mode(
-        b.id, PathFrictionLaw::next_mode(b.params, mode, solved.delta(b.block)[0]));
+    if (slid) ++sliding_;
+    path_->channel().set_friction_mode(b.id, slid ? PathFrictionLaw::slip : PathFrictionLaw::stick);
   }
 }
 

@@ -31,7 +31,7 @@ class PathFriction : public Component, public ConstraintSource {
   struct SampleBlock {
     BlockId block;
     std::uint64_t id;  ///< of the sample
-    PathFrictionLaw::Params params;
+    Real stick_slip;   ///< m
   };
   std::vector<SampleBlock> blocks_;
   Real force_ = 0;    ///< sum of axial forces on the thread, positive towards the end of the thread (N)

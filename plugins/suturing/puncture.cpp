@@ -45,8 +45,11 @@ void Puncture::describe(Describe<Puncture>& d) {
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
   check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
-  if (path_->tissue().locate(path_->thread().point(0, Configuration::current),
-                             Configuration::current)) {
+  const Vec3 tip = path_->thread().point(0, Configuration::current);
+  const auto foot =
+      path_->tissue().closest_surface(tip, path_->spacing(), Configuration::current);
+  const bool touching = foot && foot->distance > -1e-3 * path_->spacing();
+  if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
 }
@@ -146,21 +149,20 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   PunctureLaw::Params params;
   params.normal = touched_.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.fp =
+  params.puncture_force =
       front_ == Front::exit ? exit_threshold_
                             : region_value(region, regions_, region_thresholds_, threshold_);
-  threshold_here_ = params.fp;
-  params.fc = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
+  threshold_here_ = params.puncture_force;
+  params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
   params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
-  params.mu = front_ == Front::layer ? 0 : friction_;
+  params.friction = front_ == Front::layer ? 0 : friction_;
 
-  params.gap = touched_.normal.dot(tip - touched_.position);
-  const Vec3 free = (thread.point(0, Configuration::free) - tip) -
-                    (tissue.position(touched_.at, Configuration::free) - touched_.position);
+  const Vec3 free = thread.point(0, Configuration::free) -
+                    tissue.position(touched_.at, Configuration::free);
   block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)), params,
-                                    BlockVector<3>(free), PunctureLaw::free,
-                                    {.force = params.fp});
+                                    BlockVector<3>(free), PunctureLaw::pressing,
+                                    {.force = params.puncture_force});
   const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
@@ -172,7 +174,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (!block_.valid()) return;
   force_ = touched_.normal.dot(solved.force(block_));
-  if (!PunctureLaw::is_penetrated(solved.mode(block_))) {
+  if (solved.mode(block_) != PunctureLaw::penetrated) {
     peak_force_ = std::max(peak_force_, force_);
     return;
   }

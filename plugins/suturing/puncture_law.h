@@ -9,8 +9,10 @@
 //   event:       lambda_n = fp and n.delta < 0: the surface gives way; irreversible, fired by the
 //                solver on converged forces only
 //   penetrated:  across t: delta = 0 (the hole holds the shaft)
-//                along t: lambda = -r t, 0 <= r <= fc: fc while the tip is ahead of the surface point,
-//                0 while it is behind
+//                along t: lambda = -r t, 0 <= r <= fc + k a: the upper limit while the tip is ahead of
+//                the surface point by a = t.delta > 0, 0 while it is behind. k (N/m) is the friction
+//                on the shaft per length: what slips in during this step drags at once, so that the
+//                force after the puncture does not depend on the step
 //
 // The way out is the same law seen from inside: the source passes the reversed outward normal (the
 // side where the tip is), the threshold of the exit, and fc = 0, because nothing is left to be cut in
@@ -35,6 +37,7 @@ struct PunctureLaw {
     Real puncture_force = 0;  ///< fp, N
     Real cutting_force = 0;   ///< fc, N
     Real friction = 0;        ///< mu
+    Real drag = 0;            ///< k, N/m
   };
   static constexpr Mode pressing = 0;
   static constexpr Mode penetrated = 1;
@@ -54,10 +57,19 @@ struct PunctureLaw {
     const Mat3 R = frame(mode == penetrated ? p.axis : p.normal);
     const Vec3 force = R.transpose() * lambda;
     if (mode == penetrated) {
-      // Across, across, along; the last only while it neither cuts nor slides out.
+      // Across, across, along; the last unless it cuts against a constant force or slides out.
       out.move << R.col(1), R.col(2), R.col(0);
       out.test = out.move;
-      out.count = below(-force[0], p.cutting_force) && force[0] < 0 ? 3 : 2;
+      out.count = 2;
+      if (force[0] >= 0) return;
+      if (below(-force[0], p.cutting_force)) {
+        out.count = 3;
+      } else if (p.drag > 0) {
+        // r = fc + k a: a spring about the level.
+        out.count = 3;
+        out.gap[2] = (force[0] + p.cutting_force) / p.drag;
+        out.compliance(2, 2) = 1 / p.drag;
+      }
       return;
     }
     FreeDirections<3> local;
@@ -92,7 +104,10 @@ struct PunctureLaw {
     const Vec2 coupling = A.block<2, 1>(1, 0);
     const Real w = A(0, 0) - coupling.dot(inverse * coupling);
     const Real advance = d[0] - coupling.dot(inverse * d.tail<2>());
-    force[0] = -std::clamp(advance / w, Real(0), p.cutting_force);
+    const Real blocked = std::max(advance / w, Real(0));
+    force[0] = blocked <= p.cutting_force
+                   ? -blocked
+                   : -(p.cutting_force + p.drag * advance) / (1 + p.drag * w);
     force.tail<2>() = -inverse * (d.tail<2>() + coupling * force[0]);
   }
 };

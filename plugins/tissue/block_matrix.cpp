@@ -53,7 +53,7 @@ std::vector<std::array<Index, 2>> pairs_of_elements(std::span<const Index> eleme
 
 NodeMatrix::NodeMatrix(std::shared_ptr<const NodePattern> pattern)
     : pattern_(std::move(pattern)),
-      values_(static_cast<std::size_t>(9 * pattern_->slots() + 1), Real(0)) {}
+      values_(static_cast<std::size_t>(9 * pattern_->slots()), Real(0)) {}
 
 void NodeMatrix::set_zero() { std::fill(values_.begin(), values_.end(), Real(0)); }
 

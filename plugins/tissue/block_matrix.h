@@ -48,9 +48,7 @@ class NodeMatrix {
 
   /// Nine numbers per slot, the rows of block (i, j), i <= j; the block (j, i) is its transpose.
   Real* values() { return values_.data(); }
-  std::span<const Real> values() const {
-    return {values_.data(), static_cast<std::size_t>(9 * pattern_->slots())};
-  }
+  const Real* values() const { return values_.data(); }
   void set_zero();
   /// A += scale * m I on the diagonal block of every node; `m` per node.
   void add_diagonal(std::span<const Real> m, Real scale);
@@ -61,7 +59,7 @@ class NodeMatrix {
 
  private:
   std::shared_ptr<const NodePattern> pattern_;
-  std::vector<Real> values_;  ///< padded by one: rows of blocks are read four at a time
+  std::vector<Real> values_;  ///< 9 per slot
 };
 
 }  // namespace sutura

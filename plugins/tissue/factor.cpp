@@ -116,10 +116,10 @@ FactorPlan::FactorPlan(const NodePattern& pattern, std::span<const char> fixed,
   }
 }
 
-bool FactorPlan::gather(std::span<const Real> values, Real* entries) const {
+bool FactorPlan::gather(const NodeMatrix& A, Real* entries) const {
   Real poison = 0;  // becomes NaN as soon as one entry is not finite
   for (std::size_t k = 0; k < source.size(); ++k) {
-    entries[k] = source[k] < 0 ? 0 : values[static_cast<std::size_t>(source[k])];
+    entries[k] = source[k] < 0 ? 0 : A.values()[source[k]];
     poison += entries[k] * 0;
   }
   return poison == 0;

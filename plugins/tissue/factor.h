@@ -33,9 +33,9 @@ std::shared_ptr<const FactorPlan> make_factor_plan(const NodePattern& pattern,
 class Factor {
  public:
   virtual ~Factor() = default;
-  /// `values`: NodeMatrix::values of the pattern of the plan. False if the matrix is not positive
+  /// A has the pattern of the plan. False if the matrix is not positive
   /// definite or not finite: the factor must then not be used until a later call succeeds.
-  virtual bool factorise(std::span<const Real> values) = 0;
+  virtual bool factorise(const NodeMatrix& A) = 0;
   /// columns <- A^-1 columns, 3 nodes x any. Fixed nodes answer zero whatever they are given.
   /// Not to be called from two workers at once: the work space belongs to the factor.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;

@@ -50,8 +50,8 @@ class CholmodFactor : public Factor {
     cholmod_finish(&common_);
   }
 
-  bool factorise(std::span<const Real> values) override {
-    ready_ = plan_->gather(values, entries_.data());
+  bool factorise(const NodeMatrix& A) override {
+    ready_ = plan_->gather(A, entries_.data());
     if (!ready_ || plan_->size() == 0) return ready_;
     // Out of memory and "not positive definite" are both reported here; L_ is null only if the
     // analysis ran out of memory.

@@ -18,8 +18,8 @@ class EigenFactor : public Factor {
     if (plan_->size() > 0) cholesky_.analyzePattern(A_);
   }
 
-  bool factorise(std::span<const Real> values) override {
-    ready_ = plan_->gather(values, A_.valuePtr());
+  bool factorise(const NodeMatrix& A) override {
+    ready_ = plan_->gather(A, A_.valuePtr());
     if (ready_ && plan_->size() > 0) {
       cholesky_.factorize(A_);
       ready_ = cholesky_.info() == Eigen::Success;

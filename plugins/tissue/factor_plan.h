@@ -28,7 +28,7 @@ class FactorPlan {
 
   Index size() const { return 3 * static_cast<Index>(order.size()); }
   /// Fills the entries; false if one is not finite.
-  bool gather(std::span<const Real> values, Real* entries) const;
+  bool gather(const NodeMatrix& A, Real* entries) const;
   /// Rows of free nodes, in elimination order.
   void restrict_to_free(const Eigen::Ref<const MatX>& full, Eigen::Ref<MatX> reduced) const;
   /// The reverse; rows of fixed nodes become zero.

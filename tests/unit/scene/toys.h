@@ -59,11 +59,22 @@ struct Rod : Component {
   }
 };
 
+struct Mark : Component {
+  Link<Shape> shape;
+  Link<Rod> rod;
+  static void describe(Describe<Mark>& d) {
+    d.summary("A mark on a shape, perhaps on a rod too.");
+    d.link("rod", &Mark::rod, "Rod.").optional();
+    d.link("shape", &Mark::shape, "Shape.");
+  }
+};
+
 inline Registry registry() {
   Registry r;
   r.component<Ball>("Ball");
   r.component<CubeBox>("CubeBox");
   r.component<Rod>("Rod");
+  r.component<Mark>("Mark");
   return r;
 }
 

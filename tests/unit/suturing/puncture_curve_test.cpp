@@ -2,7 +2,9 @@
 // cutting, path and friction between a rigid needle and a slab on a spring. Reference c03: quasi-static closed form.
 #include <gtest/gtest.h>
 
-#include <format>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
 
 #include "csv.h"
 #include "cutting.h"
@@ -90,7 +92,8 @@ Layers layers_of(const Reference& r) {
     const Real friction = r.tau * t.number(i, "inserted length mm") * 1e-3;
     if (event.starts_with("peak")) out.puncture.push_back(t.number(i, "force N") - friction);
     if (event.starts_with("end of cutting")) {
-      out.cutting.push_back(t.number(i, "force N") - friction);
+      // The table has ten digits: a force of zero may come out as a rounding below it.
+      out.cutting.push_back(std::max(t.number(i, "force N") - friction, 0.));
       out.depth.push_back(t.number(i, "inserted length mm") * 1e-3);
     }
   }
@@ -99,9 +102,10 @@ Layers layers_of(const Reference& r) {
 }
 
 std::string list(const std::vector<Real>& values, const std::string& unit) {
-  std::string text;
-  for (const Real v : values) text += std::format("{:.10g} ", v);
-  return text + unit;
+  std::ostringstream text;
+  text << std::setprecision(12);
+  for (const Real v : values) text << v << ' ';
+  return text.str() + unit;
 }
 
 class PunctureCurve : public ::testing::TestWithParam<std::tuple<std::size_t, Real>> {};
@@ -116,19 +120,21 @@ TEST_P(PunctureCurve, FollowsTheClosedForm) {
   std::vector<Real> tags;
   for (std::size_t i = 0; i < layers.puncture.size(); ++i) tags.push_back(Real(i + 1));
 
-  const std::string scene = std::format(
-      R"(<sutura version="1" dt="{}" gravity="0 0 0">
-           <RigidNeedle times="0 {:.10g} {:.10g} {:.10g} s" travel="0 {:.10g} {:.10g} {:.10g} m" radius="0.25 mm"/>
-           <SpringSlab stiffness="{} N/m" {}/>
+  const Real turn = far / speed;
+  const Real pressure = ref.tau / (std::numbers::pi * diameter);  // with friction coefficient 1
+  const std::string scene =
+      R"(<sutura version="1" gravity="0 0 0" dt=")" + list({dt}, "s") + R"(">
+           <RigidNeedle radius="0.25 mm" times=")" + list({0, turn, 2 * turn}, "s") +
+      R"(" travel=")" + list({0, far, 0}, "m") + R"("/>
+           <SpringSlab stiffness=")" + list({ref.K}, "N/m") +
+      (layers.depth.empty() ? "" : "\" layers=\"" + list(layers.depth, "m")) + R"("/>
            <SuturePath spacing="0.5 mm"/>
-           <Cutting regions="{}" region_thresholds="{}"/>
-           <Puncture regions="{}" region_thresholds="{}"/>
-           <PathFriction coefficient="1" pressure="{:.12g} Pa"/>
-         </sutura>)",
-      dt, far / speed, 2 * far / speed, 2 * far / speed + 1, far, 0., 0., ref.K,
-      layers.depth.empty() ? "" : "layers=\"" + list(layers.depth, "m") + "\"", list(tags, ""),
-      list(layers.cutting, "N"), list(tags, ""), list(layers.puncture, "N"),
-      ref.tau / (std::numbers::pi * diameter));
+           <Cutting regions=")" + list(tags, "") + R"(" region_thresholds=")" +
+      list(layers.cutting, "N") + R"("/>
+           <PathFriction coefficient="1" pressure=")" + list({pressure}, "Pa") + R"("/>
+           <Puncture regions=")" + list(tags, "") + R"(" region_thresholds=")" +
+      list(layers.puncture, "N") + R"("/>
+         </sutura>)";
 
   Registry registry;
   enrol_builtin(registry);
@@ -149,7 +155,7 @@ TEST_P(PunctureCurve, FollowsTheClosedForm) {
   const auto& needle = dynamic_cast<const RigidNeedle&>(*simulation->find("/rigid_needle"));
   const auto& slab = dynamic_cast<const SpringSlab&>(*simulation->find("/spring_slab"));
   const auto& puncture = dynamic_cast<const Component&>(*simulation->find("/puncture"));
-  const Index steps = static_cast<Index>(std::ceil(2 * far / speed / dt)) + 2;
+  const Index steps = static_cast<Index>(std::ceil(2 * far / speed / dt)) + 12;
   const Real per_step = speed * dt;
   Real last = 0, highest = 0, worst = 0;
   bool back = false;

@@ -1,0 +1,190 @@
+#include "corotational_t4.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "rotation.h"
+
+namespace sutura {
+namespace {
+
+/// R of four gradients; the lanes that the closed form refuses go one by one through the SVD.
+void rotations(const Small3<Lanes>& F, Small3<Lanes>& R) {
+  const LaneMask refused = rotation_closed_form(F, R);
+  if (!any_lane(refused)) return;
+  for (int k = 0; k < lanes; ++k) {
+    if (refused[k] == 0) continue;
+    Mat3 f;
+    for (int i = 0; i < 9; ++i) f.data()[i] = F[i][k];
+    const Mat3 r = rotation_by_svd(f);
+    for (int i = 0; i < 9; ++i) R[i][k] = r.data()[i];
+  }
+}
+
+/// E = sym(R^T F) - I: entries xx yy zz xy xz yz.
+void biot_strain(const Small3<Lanes>& F, const Small3<Lanes>& R, Lanes (&E)[6]) {
+  const auto dot = [&](int i, int j) {
+    return R[3 * i] * F[3 * j] + R[3 * i + 1] * F[3 * j + 1] + R[3 * i + 2] * F[3 * j + 2];
+  };
+  for (int i = 0; i < 3; ++i) E[i] = dot(i, i) - 1.0;
+  E[3] = 0.5 * (dot(0, 1) + dot(1, 0));
+  E[4] = 0.5 * (dot(0, 2) + dot(2, 0));
+  E[5] = 0.5 * (dot(1, 2) + dot(2, 1));
+}
+
+}  // namespace
+
+CorotationalT4::CorotationalT4(const std::vector<Vec3>& rest, const std::vector<Tet>& tets) {
+  sorted_.reserve(tets.size());
+  for (Tet t : tets) {
+    std::sort(t.begin(), t.end());
+    sorted_.push_back(t);
+  }
+  packs_.resize((tets.size() + lanes - 1) / lanes);
+  for (std::size_t e = 0; e < packs_.size() * lanes; ++e) {
+    Pack& p = packs_[e / lanes];
+    const int k = static_cast<int>(e % lanes);
+    const Tet& t = sorted_[std::min(e, sorted_.size() - 1)];
+    Mat3 D;
+    for (int c = 0; c < 3; ++c) D.col(c) = rest[t[c + 1]] - rest[t[0]];
+    const Mat3 inverse = D.inverse();  // its rows are the gradients of the shape functions
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < 3; ++i) p.gradient[c][i][k] = inverse(c, i);
+    p.volume[k] = e < sorted_.size() ? std::abs(D.determinant()) / 6 : 0;
+    p.mu[k] = p.lambda[k] = 0;
+    for (int c = 0; c < 4; ++c) p.node[c][k] = static_cast<std::int32_t>(t[c]);
+  }
+}
+
+std::vector<std::array<Index, 2>> CorotationalT4::pairs() const {
+  std::vector<Index> flat;
+  flat.reserve(4 * sorted_.size());
+  for (const Tet& t : sorted_) flat.insert(flat.end(), t.begin(), t.end());
+  return pairs_of_elements(flat, 4);
+}
+
+void CorotationalT4::bind(const NodePattern& pattern) {
+  for (Pack& p : packs_)
+    for (int k = 0; k < lanes; ++k) {
+      int s = 0;
+      for (int a = 0; a < 4; ++a)
+        for (int b = a; b < 4; ++b) {
+          const Index slot = pattern.slot(p.node[a][k], p.node[b][k]);
+          assert(slot >= 0);
+          p.slot[s++][k] = static_cast<std::int32_t>(slot);
+        }
+    }
+}
+
+void CorotationalT4::set_materials(const std::vector<Material>& per_tet) {
+  assert(per_tet.size() == sorted_.size());
+  for (std::size_t e = 0; e < per_tet.size(); ++e) {
+    Pack& p = packs_[e / lanes];
+    const int k = static_cast<int>(e % lanes);
+    p.mu[k] = per_tet[e].lame_mu() * p.volume[k];
+    p.lambda[k] = per_tet[e].lame_lambda() * p.volume[k];
+  }
+}
+
+void CorotationalT4::deformation_gradient(const Pack& p, const VecX& x, Lanes (&F)[9]) const {
+  Lanes X[4][3];
+  for (int c = 0; c < 4; ++c)
+    for (int k = 0; k < lanes; ++k) {
+      const Real* at = x.data() + 3 * static_cast<Index>(p.node[c][k]);
+      for (int i = 0; i < 3; ++i) X[c][i][k] = at[i];
+    }
+  for (int i = 0; i < 3; ++i) {
+    const Lanes d1 = X[1][i] - X[0][i], d2 = X[2][i] - X[0][i], d3 = X[3][i] - X[0][i];
+    for (int j = 0; j < 3; ++j)
+      F[3 * j + i] = d1 * p.gradient[0][j] + d2 * p.gradient[1][j] + d3 * p.gradient[2][j];
+  }
+}
+
+void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) {
+  Real* const values = A.values();
+  for (const Pack& p : packs_) {
+    Small3<Lanes> F, R;
+    {
+      Lanes f[9];
+      deformation_gradient(p, x, f);
+      std::copy_n(f, 9, F.begin());
+    }
+    rotations(F, R);
+    Lanes E[6];
+    biot_strain(F, R, E);
+
+    // First Piola-Kirchhoff stress times volume: P = R (2 mu E + lambda tr E I).
+    const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
+    const Lanes two_mu = 2.0 * p.mu;
+    const Lanes T[9] = {two_mu * E[0] + pressure, two_mu * E[3], two_mu * E[4],
+                        two_mu * E[3], two_mu * E[1] + pressure, two_mu * E[5],
+                        two_mu * E[4], two_mu * E[5], two_mu * E[2] + pressure};
+    Lanes g[4][3], t[4][3];  // gradients and forces, in the turned frame g = R G and t = R T G
+    for (int i = 0; i < 3; ++i) g[0][i] = t[0][i] = Lanes{};
+    for (int c = 1; c < 4; ++c) {
+      const Lanes* G = p.gradient[c - 1];
+      Lanes TG[3];
+      for (int i = 0; i < 3; ++i) TG[i] = T[3 * i] * G[0] + T[3 * i + 1] * G[1] + T[3 * i + 2] * G[2];
+      for (int i = 0; i < 3; ++i) {
+        g[c][i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
+        t[c][i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
+        g[0][i] -= g[c][i];
+        t[0][i] -= t[c][i];
+      }
+    }
+    for (int c = 0; c < 4; ++c)
+      for (int k = 0; k < lanes; ++k) {
+        Real* at = force.data() + 3 * static_cast<Index>(p.node[c][k]);
+        for (int i = 0; i < 3; ++i) at[i] -= t[c][i][k];
+      }
+
+    // K_ab = V (lambda g_a g_b^T + mu g_b g_a^T + mu g_a . g_b I)
+    const Lanes mu = scale * p.mu, lambda = scale * p.lambda;
+    int s = 0;
+    for (int a = 0; a < 4; ++a)
+      for (int b = a; b < 4; ++b, ++s) {
+        Lanes K[9];
+        const Lanes shear = mu * (g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2]);
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            K[3 * i + j] = lambda * g[a][i] * g[b][j] + mu * g[b][i] * g[a][j];
+        for (int i = 0; i < 3; ++i) K[4 * i] += shear;
+        for (int k = 0; k < lanes; ++k) {
+          Real* block = values + 9 * static_cast<Index>(p.slot[s][k]);
+          for (int i = 0; i < 9; ++i) block[i] += K[i][k];
+        }
+      }
+  }
+}
+
+Real CorotationalT4::energy(const VecX& x) const {
+  Lanes sum{};
+  for (const Pack& p : packs_) {
+    Small3<Lanes> F, R;
+    Lanes f[9];
+    deformation_gradient(p, x, f);
+    std::copy_n(f, 9, F.begin());
+    rotations(F, R);
+    Lanes E[6];
+    biot_strain(F, R, E);
+    const Lanes trace = E[0] + E[1] + E[2];
+    const Lanes square = E[0] * E[0] + E[1] * E[1] + E[2] * E[2] +
+                         2.0 * (E[3] * E[3] + E[4] * E[4] + E[5] * E[5]);
+    sum += p.mu * square + 0.5 * p.lambda * trace * trace;
+  }
+  Real total = 0;
+  for (int k = 0; k < lanes; ++k) total += sum[k];
+  return total;
+}
+
+Mat3 deformation_gradient(const std::array<Vec3, 4>& rest, const std::array<Vec3, 4>& now) {
+  Mat3 D, d;
+  for (int c = 0; c < 3; ++c) {
+    D.col(c) = rest[c + 1] - rest[0];
+    d.col(c) = now[c + 1] - now[0];
+  }
+  return d * D.inverse();
+}
+
+}  // namespace sutura

@@ -1,0 +1,44 @@
+// Linear tetrahedra with a rotation of their own: W = V (mu |S - I|^2 + lambda/2 tr(S - I)^2),
+// F = R S, R the polar rotation (docs/theory/tissue.md).
+#pragma once
+
+#include <cstdint>
+
+#include "elastic_model.h"
+#include "lanes.h"
+#include "mesh_data.h"
+
+namespace sutura {
+
+class CorotationalT4 final : public ElasticModel {
+ public:
+  CorotationalT4(const std::vector<Vec3>& rest, const std::vector<Tet>& tets);
+
+  std::vector<std::array<Index, 2>> pairs() const override;
+  void bind(const NodePattern& pattern) override;
+  void set_materials(const std::vector<Material>& per_tet) override;
+  /// K is that of the linear element turned by R (the rotation is held while differentiating): the
+  /// exact derivative where S = I, positive semidefinite everywhere.
+  void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) override;
+  Real energy(const VecX& x) const override;
+
+ private:
+  /// Four tets side by side, their nodes sorted so that every block (a, b), a < b, is an upper one.
+  /// The last pack is filled up with repetitions of no stiffness.
+  struct Pack {
+    Lanes gradient[3][3];  ///< [node 1..3][axis] (1/m); node 0 has minus their sum
+    Lanes volume;          ///< m^3
+    Lanes mu, lambda;      ///< times volume (N m)
+    std::int32_t node[4][lanes];
+    std::int32_t slot[10][lanes];  ///< blocks 00 01 02 03 11 12 13 22 23 33
+  };
+  void deformation_gradient(const Pack& p, const VecX& x, Lanes (&F)[9]) const;
+
+  std::vector<Pack> packs_;
+  std::vector<std::array<Index, 4>> sorted_;  ///< nodes of each tet, ascending
+};
+
+/// F of one tet (rest and current corners in the same order).
+Mat3 deformation_gradient(const std::array<Vec3, 4>& rest, const std::array<Vec3, 4>& now);
+
+}  // namespace sutura
