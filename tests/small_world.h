@@ -40,18 +40,12 @@ class PointMasses : public Body {
   int width() const override { return 3; }
   void free_motion(const StepContext& c) override {
     const Real h = c.dt;
-    MatX A = h * h * K_;
-    A.diagonal() += mass_;
     VecX b = h * (force - K_ * (x - rest_) - h * (K_ * v));
     for (Index i = 0; i < b.size(); ++i) {
       b[i] += h * mass_[i] * c.gravity[i % 3];
-      if (!fixed_[static_cast<std::size_t>(i)]) continue;
-      A.row(i).setZero();
-      A.col(i).setZero();
-      A(i, i) = 1;
-      b[i] = 0;
+      if (fixed_[static_cast<std::size_t>(i)]) b[i] = 0;
     }
-    factor_.compute(A);
+    if (h != factored_for_) factorise(h);
     dv_ = factor_.solve(b);
     free_ = x + h * (v + dv_);
   }
@@ -91,7 +85,21 @@ class PointMasses : public Body {
   VecX x, v, force;  ///< m, m/s, N
 
  private:
+  void factorise(Real h) {  // A does not change from step to step
+    MatX A = h * h * K_;
+    A.diagonal() += mass_;
+    for (Index i = 0; i < A.rows(); ++i) {
+      if (!fixed_[static_cast<std::size_t>(i)]) continue;
+      A.row(i).setZero();
+      A.col(i).setZero();
+      A(i, i) = 1;
+    }
+    factor_.compute(A);
+    factored_for_ = h;
+  }
+
   VecX rest_, mass_, free_, dv_;
+  Real factored_for_ = 0;
   MatX K_;
   std::vector<bool> fixed_;
   Eigen::LDLT<MatX> factor_;
