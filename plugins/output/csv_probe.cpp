@@ -56,12 +56,9 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
       "Writes outputs of components to a CSV file, one row per step, with units in the header.");
   d.theory(
       "A column is the path of a component, a dot and the name of one of its outputs (each "
-      "component "
-      "page lists them): `/suture.tip_position /holder.force`. Vectors take three columns. Numbers "
-      "are the "
-      "shortest text that reads back as the same number. Each row is flushed, so a run that is cut "
-      "off "
-      "keeps all of its rows.");
+      "component page lists them): `/suture.tip_position /holder.force`. Vectors take three "
+      "columns. Numbers are the shortest text that reads back as the same number. Each row is "
+      "flushed, so a run that is cut off keeps all of its rows.");
   d.attribute("columns", &CsvProbe::columns_text_,
               "Outputs, blank separated: '/holder.force /path.friction'.")
       .required();

@@ -35,18 +35,15 @@ std::string file_name_of(const std::string& path, const std::vector<std::string>
 void VtuRecorder::describe(Describe<VtuRecorder>& d) {
   d.summary(
       "Writes the shape and the fields of every body, and the constraint forces, as .vtu files "
-      "with a "
-      ".pvd index each, for ParaView, VTK or meshio.");
+      "with a .pvd index each, for ParaView, VTK or meshio.");
   d.theory(
       "In the output folder: `BODY.pvd` and `BODY/BODY_000012.vtu` for each body (the number is "
-      "the "
-      "step), `constraints.pvd` and `constraints/...` for the forces: one vertex per block with "
-      "`force [N]` on the first body of the block, the norms `lambda [N]` and `delta [m]` over its "
-      "rows, "
-      "`mode` and `law`. Field data named like `law 0 is puncture` tell the numbers of laws; they "
-      "hold "
-      "for the whole run. A .pvd is complete after every record, so a run that is cut off can be "
-      "looked at.");
+      "the step), `constraints.pvd` and `constraints/...` for the forces: one vertex per block "
+      "with `force [N]` on the first body of the block, the norms `lambda [N]` and `delta [m]` "
+      "over its rows, `mode` and `law`. Field data named like `law 0 is puncture` tell the "
+      "numbers of laws; they hold for the whole run. A step without constraints has one vertex "
+      "with law -1 and no force, because some readers refuse an empty grid. A .pvd is complete "
+      "after every record, so a run that is cut off can be looked at.");
   d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
   d.attribute("interval", &VtuRecorder::interval_, "s", at_least(0),
               "Time between records; 0: by steps, as 'every' says.");

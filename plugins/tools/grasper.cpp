@@ -19,15 +19,14 @@ Pose inverse(const Pose& a) {
 void Grasper::describe(Describe<Grasper>& d) {
   d.summary(
       "Jaws that close on one section of a needle or thread at stated times and carry it along a "
-      "track "
-      "until they let go.");
+      "track until they let go.");
   d.theory(
-      "When the jaws close, at the start of the first step at or after the time of grasp, the pose "
-      "of "
-      "the section relative to the tool is recorded, so nothing jumps. While they are closed the "
-      "section is tied to *tool pose at the end of the step* times *that relative pose* by the "
-      "implicit spring of CurveBody::set_hold: six stiffnesses, three in translation and three in "
-      "rotation. The force read out is what this spring applied to the curve over the step.");
+      "When the jaws close, at the start of the first step at or after the time of grasp, the "
+      "pose of the section relative to the tool is recorded, so nothing jumps. While they are "
+      "closed the section is tied to *tool pose at the end of the step* times *that relative "
+      "pose* by the implicit spring of CurveBody::set_hold: six stiffnesses, three in "
+      "translation and three in rotation. The force read out is what this spring applied to the "
+      "curve over the step.");
   d.link("body", &Grasper::body_, "The needle and thread.");
   d.link("track", &Grasper::track_, "The motion of the tool.");
   d.attribute("at", &Grasper::at_, "m", at_least(0),

@@ -7,19 +7,15 @@ namespace sutura::tools {
 void Track::describe(Describe<Track>& d) {
   d.summary(
       "The motion of a tool over time, from key frames written in the scene or read from a CSV "
-      "file. "
-      "Before the first key and after the last the tool rests.");
+      "file. Before the first key and after the last the tool rests.");
   d.theory(
-      "At time *t* the track moves a point *x* of the tool to *centre + R(t) (x - centre) + p(t)*. "
-      "A key gives *p* (positions) and *R* (rotations: axis times angle). Between two keys *p* is "
-      "interpolated along a line and *R* by slerp, turning through the angle closest to the "
-      "difference of the two rotation vectors, so keys about one axis may lie more than half a "
-      "turn "
-      "apart.\n\n"
-      "The header of the CSV file names columns and units in any order: "
-      "`t [s], x [mm], y [mm], z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is "
-      "left "
-      "out is zero.");
+      "At time *t* the track moves a point *x* of the tool to *centre + R(t) (x - centre) + "
+      "p(t)*. A key gives *p* (positions) and *R* (rotations: axis times angle). Between two "
+      "keys *p* is interpolated along a line and *R* by slerp, turning through the angle closest "
+      "to the difference of the two rotation vectors, so keys about one axis may lie more than "
+      "half a turn apart.\n\n"
+      "The header of the CSV file names columns and units in any order: `t [s], x [mm], y [mm], "
+      "z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is left out is zero.");
   d.attribute("times", &Track::times_, "s", any(), "Times of the keys, increasing.");
   d.attribute("positions", &Track::positions_, "m", any(),
               "Translation at each key, x y z one after the other; left out: none.");
@@ -55,9 +51,8 @@ void Track::initialise(Setup& setup) {
 std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {
   const std::size_t n = times_.size();
   if (n == 0) {
-    setup.error(
-        *this,
-        "no key frames; expected 'times' (with 'positions' or 'rotations') or 'file'");
+    setup.error(*this,
+                "no key frames; expected 'times' (with 'positions' or 'rotations') or 'file'");
     return {};
   }
   bool fits = true;

@@ -1,0 +1,34 @@
+# Builds plugins/hello_law as a stranger would: from a copy, against an installed package. Run by ctest as
+#   cmake -DBUILD=... -DSOURCE=... -DWORK=... -DGENERATOR=... -P outside_plugin.cmake
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT code EQUAL 0)
+    string(REPLACE ";" " " line "${ARGN}")
+    message(FATAL_ERROR "${line}\n${out}\nexit code ${code}")
+  endif()
+  set(last_output "${out}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+file(COPY ${SOURCE}/plugins/hello_law DESTINATION ${WORK})
+
+# The package must do without the tree it was built from: its files may not name it.
+file(GLOB_RECURSE package_files ${WORK}/prefix/*.cmake ${WORK}/prefix/*.h)
+foreach(file IN LISTS package_files)
+  file(READ ${file} text)
+  string(FIND "${text}" "${SOURCE}" at)
+  if(NOT at EQUAL -1)
+    message(FATAL_ERROR "${file} names the source tree")
+  endif()
+endforeach()
+
+run(${CMAKE_COMMAND} -S ${WORK}/hello_law -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/build)
+run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build --output-on-failure)
+
+# The command finds the plugins of the package by itself and the stranger's by the variable.
+run(${CMAKE_COMMAND} -E env SUTURA_PLUGIN_PATH=${WORK}/build ${WORK}/prefix/bin/sutura run
+    ${WORK}/hello_law/band.xml --output ${WORK}/out)
+message(STATUS "${last_output}")
