@@ -52,6 +52,9 @@ bool enrol_plugin(Registry& registry, const PluginHeader& header, Diagnostics& d
 /// $SUTURA_PLUGIN_PATH (colon separated), then the folder of the installed or built plugins.
 std::vector<std::string> default_plugin_directories();
 
+/// Names of the plugins whose files lie in `directories`, sorted; none of them is opened.
+std::vector<std::string> available_plugins(const std::vector<std::string>& directories);
+
 }  // namespace sutura
 
 /// Once per plugin, at namespace scope: SUTURA_PLUGIN(thread, "0.1.0", "Apache-2.0", enrol_thread)

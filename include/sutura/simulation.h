@@ -63,6 +63,8 @@ class Simulation {
   /// Opens the files of recorders and records the initial state; closes them. Error sentence or empty.
   std::string start_recording();
   std::string finish_recording();
+  /// The first thing that went wrong with a recorder; nothing is recorded after it.
+  const std::string& record_error() const { return record_error_; }
   /// What stopped the recording, or empty.
   const std::string& recording_error() const { return record_error_; }
 

@@ -45,8 +45,11 @@ void Puncture::describe(Describe<Puncture>& d) {
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
   check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
-  if (path_->tissue().locate(path_->thread().point(0, Configuration::current),
-                             Configuration::current)) {
+  const Vec3 tip = path_->thread().point(0, Configuration::current);
+  const auto foot =
+      path_->tissue().closest_surface(tip, path_->spacing(), Configuration::current);
+  const bool touching = foot && foot->distance > -1e-3 * path_->spacing();
+  if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
 }

@@ -32,8 +32,11 @@ class TissueSolver {
   /// whose compliance will be asked for.
   virtual void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                        std::span<const Index> candidates) = 0;
+  /// False: `prepare` may be given no rotations.
+  virtual bool wants_rotations() const = 0;
   /// The matrix of this step (kept by reference until the next call, never written) and the
-  /// rotation of the material around each node, from rest to now.
+  /// rotation of the material around each node, from rest to now: the polar factor of the mean
+  /// deformation gradient of the elements around it, weighted by volume.
   virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) = 0;
   /// columns <- A^-1 columns to the tolerance of the solver; fixed nodes answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) = 0;
@@ -44,5 +47,13 @@ class TissueSolver {
   virtual Mat3 compliance_block(Index i, Index j) const = 0;
   virtual const TissueSolveReport& report() const = 0;
 };
+
+class Registry;
+
+/// What a tissue uses that names no solver: factorises the matrix of every step.
+std::unique_ptr<TissueSolver> make_direct_solver();
+
+/// The components of this room that implement TissueSolver.
+void enrol_tissue_solvers(Registry& registry);
 
 }  // namespace sutura

@@ -25,25 +25,9 @@ bool is_plugin_name(const std::string& name) {
 constexpr std::string_view file_prefix = "libsutura_";
 constexpr std::string_view file_suffix = ".so";
 
-std::vector<std::string> plugins_in(const std::vector<std::string>& directories) {
-  std::vector<std::string> names;
-  for (const std::string& directory : directories) {
-    std::error_code ignored;
-    for (fs::directory_iterator i(directory, ignored), end; i != end; i.increment(ignored)) {
-      const std::string file = i->path().filename().string();
-      if (file.starts_with(file_prefix) && file.ends_with(file_suffix))
-        names.push_back(file.substr(file_prefix.size(),
-                                    file.size() - file_prefix.size() - file_suffix.size()));
-    }
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
 std::string not_found(const std::string& name, const std::vector<std::string>& directories) {
   std::string out = "plugin '" + name + "' is in none of the folders searched";
-  const std::string near = nearest_name(name, plugins_in(directories));
+  const std::string near = nearest_name(name, available_plugins(directories));
   if (!near.empty()) out += "; did you mean '" + near + "'?";
   out += directories.empty() ? " (there are none)" : " (";
   for (std::size_t i = 0; i < directories.size(); ++i)
@@ -159,6 +143,22 @@ std::vector<std::string> default_plugin_directories() {
   if (dladdr(reinterpret_cast<const void*>(&check_plugin), &info) && info.dli_fname)
     out.push_back((fs::path(info.dli_fname).parent_path() / "sutura").lexically_normal().string());
   return out;
+}
+
+std::vector<std::string> available_plugins(const std::vector<std::string>& directories) {
+  std::vector<std::string> names;
+  for (const std::string& directory : directories) {
+    std::error_code ignored;
+    for (fs::directory_iterator i(directory, ignored), end; i != end; i.increment(ignored)) {
+      const std::string file = i->path().filename().string();
+      if (file.starts_with(file_prefix) && file.ends_with(file_suffix))
+        names.push_back(file.substr(file_prefix.size(),
+                                    file.size() - file_prefix.size() - file_suffix.size()));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
 }
 
 }  // namespace sutura

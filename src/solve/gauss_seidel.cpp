@@ -121,6 +121,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   last_gradient_ = 0;
   search_.setZero(problem.rows());
 
+  if (!problem.lambda.allFinite()) problem.lambda.setZero();
   update_delta(problem);
   Residual residual = natural_map(problem, diagonal_, lambda_plus_);
   Index pause = 0;  // sweeps before the next direct step

@@ -6,9 +6,12 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "block_matrix.h"
+#include "tissue_solver.h"
 
 namespace sutura::testing {
 
@@ -68,14 +71,16 @@ inline NodeMatrix make_matrix(const Grid& g) {
 }
 
 /// A = M + h^2 K at positions x; `rotations` per node: polar factor of the volume-weighted mean of the
-/// deformation gradients around it.
+/// deformation gradients around it; `force`, if asked for, -dE/dx; `masses` of the nodes likewise.
 inline void assemble(const Grid& g, const std::vector<Vec3>& x, const Elasticity& e, Real h,
-                     NodeMatrix& A, std::vector<Mat3>& rotations) {
+                     NodeMatrix& A, std::vector<Mat3>& rotations, VecX* force = nullptr,
+                     std::vector<Real>* masses = nullptr) {
   const Real mu = e.young / (2 * (1 + e.poisson));
   const Real lambda = e.young * e.poisson / ((1 + e.poisson) * (1 - 2 * e.poisson));
   A.set_zero();
   std::vector<Real> mass(g.rest.size(), 0);
   rotations.assign(g.rest.size(), Mat3::Zero());
+  if (force) force->setZero(3 * static_cast<Index>(g.rest.size()));
   for (const auto& t : g.tets) {
     Mat3 Dm, Ds;
     for (int a = 0; a < 3; ++a) {
@@ -91,8 +96,12 @@ inline void assemble(const Grid& g, const std::vector<Vec3>& x, const Elasticity
     Eigen::Matrix<Real, 3, 4> gradient;
     gradient.rightCols<3>() = R * inverse.transpose();
     gradient.col(0) = -gradient.rightCols<3>().rowwise().sum();
+    const Mat3 strain = 0.5 * (R.transpose() * F + F.transpose() * R) - Mat3::Identity();
+    const Mat3 stress =  // in the axes of the deformed element
+        R * (2 * mu * strain + lambda * strain.trace() * Mat3::Identity()) * R.transpose();
     for (int a = 0; a < 4; ++a) {
       const Index i = t[static_cast<std::size_t>(a)];
+      if (force) force->segment<3>(3 * i) -= volume * stress * gradient.col(a);
       mass[static_cast<std::size_t>(i)] += e.density * volume / 4;
       rotations[static_cast<std::size_t>(i)] += volume * F;
       for (int b = 0; b < 4; ++b) {
@@ -108,7 +117,51 @@ inline void assemble(const Grid& g, const std::vector<Vec3>& x, const Elasticity
   }
   A.add_diagonal(mass, 1);
   for (Mat3& r : rotations) r = polar_rotation(r);
+  if (masses) *masses = mass;
 }
+
+/// A block that falls, swings and comes to rest, one linearised implicit Euler step at a time.
+struct Swing {
+  explicit Swing(Grid g) : grid(std::move(g)) {}
+  Grid grid;
+  Elasticity material;
+  Real h = 0.02;
+  Vec3 gravity{0, 0, -9.81};
+  std::vector<Vec3> x = grid.rest;
+  VecX v = VecX::Zero(3 * static_cast<Index>(grid.rest.size()));
+  NodeMatrix A = make_matrix(grid);
+  std::vector<Mat3> rotations;
+  VecX force;
+  std::vector<Real> mass;
+  Index count = 0;
+
+  void begin(TissueSolver& solver, std::span<const Index> candidates = {}) {
+    solver.analyse(A.pattern(), grid.fixed, candidates);
+  }
+  /// A dv = h f - h^2 K v, damping aside.
+  VecX right_hand_side() {
+    assemble(grid, x, material, h, A, rotations, &force, &mass);
+    VecX b;
+    A.multiply(v, b);
+    for (Index i = 0; i < A.nodes(); ++i) {
+      const Real m = mass[static_cast<std::size_t>(i)];
+      b.segment<3>(3 * i) =
+          grid.fixed[static_cast<std::size_t>(i)]
+              ? Vec3(Vec3::Zero())
+              : Vec3(h * (force.segment<3>(3 * i) + m * gravity) + m * v.segment<3>(3 * i) -
+                     b.segment<3>(3 * i));
+    }
+    return b;
+  }
+  void step(TissueSolver& solver) {
+    MatX dv = right_hand_side();
+    solver.prepare(A, rotations, count++);
+    solver.solve(dv);
+    v += dv;
+    for (Index i = 0; i < A.nodes(); ++i)
+      x[static_cast<std::size_t>(i)] += h * v.segment<3>(3 * i);
+  }
+};
 
 inline std::vector<Vec3> deform(const Grid& g, const std::function<Vec3(const Vec3&)>& map) {
   std::vector<Vec3> x;

@@ -1,0 +1,154 @@
+#include "block_tridiagonal.h"
+
+#include <cassert>
+
+namespace sutura::thread {
+
+namespace {
+
+/// Inverse of a symmetric 3 x 3 by cofactors; false unless all leading minors are positive.
+inline bool invert3(const Mat3& a, Mat3& inv) {
+  const Real c00 = a(1, 1) * a(2, 2) - a(1, 2) * a(1, 2);
+  const Real c01 = a(0, 2) * a(1, 2) - a(0, 1) * a(2, 2);
+  const Real c02 = a(0, 1) * a(1, 2) - a(0, 2) * a(1, 1);
+  const Real c22 = a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
+  const Real det = a(0, 0) * c00 + a(0, 1) * c01 + a(0, 2) * c02;
+  if (!(a(0, 0) > 0 && c22 > 0 && det > 0)) return false;
+  const Real f = 1 / det;
+  inv(0, 0) = c00 * f;
+  inv(0, 1) = inv(1, 0) = c01 * f;
+  inv(0, 2) = inv(2, 0) = c02 * f;
+  inv(1, 1) = (a(0, 0) * a(2, 2) - a(0, 2) * a(0, 2)) * f;
+  inv(1, 2) = inv(2, 1) = (a(0, 1) * a(0, 2) - a(0, 0) * a(1, 2)) * f;
+  inv(2, 2) = c22 * f;
+  return true;
+}
+
+/// Inverse of a symmetric 6 x 6 through its 3 x 3 blocks.
+inline bool invert6(const Mat6& s, Mat6& inv) {
+  const Mat3 a = s.topLeftCorner<3, 3>(), b = s.topRightCorner<3, 3>();
+  Mat3 ai, ci;
+  if (!invert3(a, ai)) return false;
+  const Mat3 w = ai * b;
+  const Mat3 c = s.bottomRightCorner<3, 3>() - b.transpose() * w;
+  if (!invert3(c, ci)) return false;
+  const Mat3 wc = w * ci;
+  inv.topLeftCorner<3, 3>() = ai + wc * w.transpose();
+  inv.topRightCorner<3, 3>() = -wc;
+  inv.bottomLeftCorner<3, 3>() = -wc.transpose();
+  inv.bottomRightCorner<3, 3>() = ci;
+  return true;
+}
+
+}  // namespace
+
+void BlockTridiagonal::resize(Index blocks) {
+  const auto n = static_cast<std::size_t>(blocks);
+  for (auto* v : {&diagonal_, &upper_, &inverse_, &transfer_}) v->resize(n, Mat6::Zero());
+}
+
+void BlockTridiagonal::set_zero() {
+  for (Mat6& m : diagonal_) m.setZero();
+  for (Mat6& m : upper_) m.setZero();
+}
+
+void BlockTridiagonal::fix(Index i, Index dof) {
+  diagonal_[i].row(dof).setZero();
+  diagonal_[i].col(dof).setZero();
+  diagonal_[i](dof, dof) = 1;
+  if (i + 1 < blocks()) upper_[i].row(dof).setZero();
+  if (i > 0) upper_[i - 1].col(dof).setZero();
+}
+
+bool BlockTridiagonal::factor() {
+  const Index n = blocks();
+  Mat6 s = diagonal_[0];
+  for (Index i = 0;; ++i) {
+    if (!invert6(s, inverse_[i])) return false;
+    if (i + 1 == n) return true;
+    transfer_[i].noalias() = inverse_[i] * upper_[i];
+    s = diagonal_[i + 1];
+    s.noalias() -= upper_[i].transpose() * transfer_[i];
+  }
+}
+
+void BlockTridiagonal::solve(Eigen::Ref<VecX> x) const {
+  const Index n = blocks();
+  assert(x.size() == 6 * n);
+  for (Index i = 0; i + 1 < n; ++i)
+    x.segment<6>(6 * (i + 1)).noalias() -= transfer_[i].transpose() * x.segment<6>(6 * i);
+  Vec6 next = inverse_[n - 1] * x.segment<6>(6 * (n - 1));
+  x.segment<6>(6 * (n - 1)) = next;
+  for (Index i = n - 1; i-- > 0;) {
+    Vec6 z = x.segment<6>(6 * i);
+    Vec6 u = inverse_[i] * z;
+    u.noalias() -= transfer_[i] * next;
+    x.segment<6>(6 * i) = u;
+    next = u;
+  }
+}
+
+void BlockTridiagonal::solve(Eigen::Ref<MatX> columns) const {
+  const Index n = blocks();
+  assert(columns.rows() == 6 * n);
+  constexpr int width = 8;
+  using Slab = Eigen::Matrix<Real, 6, width>;
+  Index j = 0;
+  for (; j + width <= columns.cols(); j += width) {
+    for (Index i = 0; i + 1 < n; ++i) {
+      const Slab z = columns.block<6, width>(6 * i, j);
+      columns.block<6, width>(6 * (i + 1), j).noalias() -= transfer_[i].transpose() * z;
+    }
+    Slab next = Slab::Zero();
+    for (Index i = n; i-- > 0;) {
+      const Slab z = columns.block<6, width>(6 * i, j);
+      Slab u;
+      u.noalias() = inverse_[i] * z;
+      if (i + 1 < n) u.noalias() -= transfer_[i] * next;
+      columns.block<6, width>(6 * i, j) = u;
+      next = u;
+    }
+  }
+  for (; j < columns.cols(); ++j) solve(Eigen::Ref<VecX>(columns.col(j)));
+}
+
+void BlockTridiagonal::multiply(const VecX& x, VecX& y) const {
+  const Index n = blocks();
+  y.resize(6 * n);
+  for (Index i = 0; i < n; ++i) {
+    Vec6 sum = diagonal_[i] * x.segment<6>(6 * i);
+    if (i + 1 < n) sum += upper_[i] * x.segment<6>(6 * (i + 1));
+    if (i > 0) sum += upper_[i - 1].transpose() * x.segment<6>(6 * (i - 1));
+    y.segment<6>(6 * i) = sum;
+  }
+}
+
+void BlockTridiagonal::inverse_blocks(const std::vector<Index>& nodes,
+                                      std::vector<Mat6>& inverse) const {
+  const auto k = static_cast<Index>(nodes.size());
+  inverse.resize(static_cast<std::size_t>(k * k));
+  if (k == 0) return;
+  // Diagonal blocks by the backward recursion; row blocks by the transfers between touched nodes,
+  // multiplied up once on the way.
+  Mat6 g = inverse_[blocks() - 1];
+  Index t = k - 1;
+  if (nodes[t] == blocks() - 1) inverse[t * k + t] = g, --t;
+  for (Index i = blocks() - 1; i-- > 0 && t >= 0;) {
+    Mat6 tg;
+    tg.noalias() = transfer_[i] * g;
+    g = inverse_[i];
+    g.noalias() += tg * transfer_[i].transpose();
+    if (nodes[t] == i) inverse[t * k + t] = g, --t;
+  }
+  for (Index a = k - 1; a-- > 0;) {
+    Mat6 transfer = -transfer_[nodes[a]];
+    for (Index i = nodes[a] + 1; i < nodes[a + 1]; ++i) {
+      const Mat6 product = transfer * transfer_[i];
+      transfer = -product;
+    }
+    for (Index b = a + 1; b < k; ++b)
+      inverse[a * k + b].noalias() = transfer * inverse[(a + 1) * k + b];
+  }
+}
+
+}  // namespace sutura::thread

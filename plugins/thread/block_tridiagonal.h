@@ -1,0 +1,55 @@
+// Symmetric positive definite block tridiagonal systems with 6 x 6 blocks: the matrix of a chain.
+//
+// S_0 = D_0, S_{i+1} = D_{i+1} - C_i^T S_i^-1 C_i, T_i = S_i^-1 C_i      (block Thomas elimination)
+// A solve is z_{i+1} = b_{i+1} - T_i^T z_i, then x_i = S_i^-1 z_i - T_i x_{i+1}.
+//
+// S^-1 is formed explicitly, through its 3 x 3 blocks (translations, rotations): no square roots, few
+// dependent divisions, and block elimination without pivoting is exact under a scaling of each 3 x 3
+// block, so the two kinds of unit never meet. The blocks of the inverse follow from S^-1 and T:
+//   G_nn = S_n^-1, G_ii = S_i^-1 + T_i G_{i+1,i+1} T_i^T, G_ij = -G_i,.. : G_{ij} = -T_i G_{i+1,j} for i < j.
+#pragma once
+
+#include <vector>
+
+#include "sutura/types.h"
+
+namespace sutura::thread {
+
+using Mat6 = Eigen::Matrix<Real, 6, 6>;
+
+class BlockTridiagonal {
+ public:
+  void resize(Index blocks);
+  Index blocks() const { return static_cast<Index>(diagonal_.size()); }
+
+  /// Fill these, then call factor(); they are kept, so that a residual can be computed.
+  Mat6& diagonal(Index i) { return diagonal_[i]; }
+  /// A(i, i+1)
+  Mat6& upper(Index i) { return upper_[i]; }
+  const Mat6& diagonal(Index i) const { return diagonal_[i]; }
+  const Mat6& upper(Index i) const { return upper_[i]; }
+  void set_zero();
+  /// Row and column of one dof (0..5) of block i become those of the identity.
+  void fix(Index i, Index dof);
+
+  /// False if the matrix is not positive definite (or not finite); the factor is then useless.
+  bool factor();
+
+  /// x <- A^-1 x; size 6 blocks(). No allocation.
+  void solve(Eigen::Ref<VecX> x) const;
+  /// Each column <- A^-1 column; several columns go through one matrix product.
+  void solve(Eigen::Ref<MatX> columns) const;
+  /// y = A x
+  void multiply(const VecX& x, VecX& y) const;
+
+  /// Blocks of the inverse between the given nodes (ascending): inverse[i * k + j] for i <= j is
+  /// A^-1 (nodes[i], nodes[j]). Cost O(blocks + k^2), against O(k blocks) by solves.
+  void inverse_blocks(const std::vector<Index>& nodes, std::vector<Mat6>& inverse) const;
+
+  std::size_t bytes_per_block() const { return 4 * sizeof(Mat6); }
+
+ private:
+  std::vector<Mat6> diagonal_, upper_, inverse_, transfer_;  // D, C, S^-1, T
+};
+
+}  // namespace sutura::thread

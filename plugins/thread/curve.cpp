@@ -1,0 +1,112 @@
+#include "curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sutura::thread {
+
+namespace {
+
+Cubic cubic(const Rod& rod, Index beam, Configuration c) {
+  const std::vector<Pose>& p = rod.poses(c);
+  return {p[beam], p[beam + 1], rod.element(beam).length};
+}
+
+}  // namespace
+
+CurvePlace place(const Rod& rod, Real s) {
+  const std::vector<Real>& a = rod.abscissa();
+  const auto next = std::upper_bound(a.begin() + 1, a.end() - 1, s);
+  const Index beam = next - a.begin() - 1;
+  return {beam, std::clamp((s - a[beam]) / (a[beam + 1] - a[beam]), 0., 1.)};
+}
+
+Vec3 curve_point(const Rod& rod, Real s, Configuration c) {
+  const CurvePlace at = place(rod, s);
+  return cubic(rod, at.beam, c).point(at.u);
+}
+
+Vec3 curve_tangent(const Rod& rod, Real s, Configuration c) {
+  const CurvePlace at = place(rod, s);
+  return cubic(rod, at.beam, c).slope(at.u).normalized();
+}
+
+Pose curve_frame(const Rod& rod, Real s, Configuration c) {
+  const CurvePlace at = place(rod, s);
+  const std::vector<Pose>& poses = rod.poses(c);
+  const Quat& qa = poses[at.beam].rotation;
+  const Quat& qb = poses[at.beam + 1].rotation;
+  const Cubic curve = cubic(rod, at.beam, c);
+  const Vec3 t = curve.slope(at.u).normalized();
+  // The frame of a, carried to t without twist; then its share of the twist left over at b. Over one
+  // turn per beam the turns come from the state.
+  const auto carried = [&](const Vec3& to) {
+    return Quat::FromTwoVectors(qa * Vec3::UnitX(), to) * qa;
+  };
+  const Quat left = carried(qb * Vec3::UnitX()).conjugate() * qb;
+  constexpr Real turn = 2 * std::numbers::pi;
+  Real twist = 2 * std::atan2(left.x(), left.w());
+  const Real state = rod.twist()[at.beam];
+  twist += turn * std::round((state - twist) / turn);
+  const Quat roll(Eigen::AngleAxis<Real>(at.u * twist, Vec3::UnitX()));
+  return {curve.point(at.u), (carried(t) * roll).normalized()};
+}
+
+void curve_jacobian(const Rod& rod, Real s, PointJacobian& out) {
+  const CurvePlace at = place(rod, s);
+  const Cubic curve = cubic(rod, at.beam, Configuration::current);
+  const auto w = Cubic::weights(at.u);
+  out.nodes = 2;
+  out.width = 6;
+  out.node[0] = at.beam;
+  out.node[1] = at.beam + 1;
+  out.coefficients.resize(3, 12);
+  out.coefficients << w[0] * Mat3::Identity(), -w[1] * cross_matrix(curve.ma),
+      w[2] * Mat3::Identity(), -w[3] * cross_matrix(curve.mb);
+}
+
+Real curve_closest(const Rod& rod, const Vec3& p, Real guess, Real low, Real high,
+                   Configuration c) {
+  const std::vector<Real>& a = rod.abscissa();
+  low = std::max(low, a.front());
+  high = std::min(high, a.back());
+  if (!(low < high)) return low;
+  guess = std::clamp(guess, low, high);
+  Index beam = place(rod, guess).beam;
+  // Half the derivative of the squared distance along u; negative: closer ahead.
+  const auto rise = [&](const Cubic& q, Real u) { return (q.point(u) - p).dot(q.slope(u)); };
+  const auto local = [&](Real s) { return (s - a[beam]) / (a[beam + 1] - a[beam]); };
+  Cubic q = cubic(rod, beam, c);
+  Real from = local(guess);
+  const bool ahead = rise(q, from) < 0;
+  // Walk downhill, beam by beam, until the slope turns or the range ends.
+  Real to;
+  for (;;) {
+    const Real limit = ahead ? std::min(1., local(high)) : std::max(0., local(low));
+    const Real slope = rise(q, limit);
+    if (ahead ? slope >= 0 : slope <= 0) {
+      to = limit;
+      break;
+    }
+    const Real end = a[beam] + limit * (a[beam + 1] - a[beam]);
+    if (ahead ? end >= high : end <= low) return ahead ? high : low;
+    beam += ahead ? 1 : -1;
+    if (beam < 0 || beam >= rod.beams()) return ahead ? high : low;
+    q = cubic(rod, beam, c);
+    from = ahead ? 0 : 1;
+  }
+  // Newton, kept inside the bracket.
+  Real left = std::min(from, to), right = std::max(from, to), u = (left + right) / 2;
+  for (int i = 0; i < 40 && right - left > 1e-13; ++i) {
+    const Vec3 d = q.point(u) - p, t = q.slope(u);
+    const Real f = d.dot(t), df = t.squaredNorm() + d.dot(q.second(u));
+    (f < 0 ? left : right) = u;
+    Real next = u - f / df;
+    if (!(next > left && next < right)) next = (left + right) / 2;
+    if (std::abs(next - u) < 1e-14) break;
+    u = next;
+  }
+  return a[beam] + u * (a[beam + 1] - a[beam]);
+}
+
+}  // namespace sutura::thread

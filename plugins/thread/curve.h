@@ -1,0 +1,25 @@
+// Points of the rod by abscissa: what CurveBody asks.
+#pragma once
+
+#include "cubic.h"
+#include "rod.h"
+
+namespace sutura::thread {
+
+/// Beam and place within it.
+struct CurvePlace {
+  Index beam = 0;
+  Real u = 0;  ///< in [0, 1]
+};
+CurvePlace place(const Rod& rod, Real s);
+
+Vec3 curve_point(const Rod& rod, Real s, Configuration c);
+Vec3 curve_tangent(const Rod& rod, Real s, Configuration c);
+/// Section frame: the nodes' frames, with the twist between them spread evenly, x axis along the tangent.
+Pose curve_frame(const Rod& rod, Real s, Configuration c);
+/// d point / d (x_a, spin_a, x_b, spin_b) of the beam, at the current configuration.
+void curve_jacobian(const Rod& rod, Real s, PointJacobian& out);
+/// First local minimum of the distance to p met downhill from `guess` within [low, high].
+Real curve_closest(const Rod& rod, const Vec3& p, Real guess, Real low, Real high, Configuration c);
+
+}  // namespace sutura::thread

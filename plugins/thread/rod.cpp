@@ -1,0 +1,325 @@
+#include "rod.h"
+
+#include <cassert>
+#include <cmath>
+
+namespace sutura::thread {
+
+Quat rotated(const Quat& q, const Vec3& spin) {
+  const Real a2 = spin.squaredNorm();
+  Real c, s;  // cos(a/2), sin(a/2)/a
+  if (a2 < 1e-4) {
+    c = 1 - a2 / 8 + a2 * a2 / 384;
+    s = 0.5 - a2 / 48 + a2 * a2 / 3840;
+  } else {
+    const Real a = std::sqrt(a2);
+    c = std::cos(a / 2);
+    s = std::sin(a / 2) / a;
+  }
+  const Vec3 v = s * spin;
+  return (Quat(c, v.x(), v.y(), v.z()) * q).normalized();
+}
+
+Vec3 rotation_between(const Quat& from, const Quat& to) {
+  Quat d = to * from.conjugate();
+  if (d.w() < 0) d.coeffs() = -d.coeffs();
+  const Real sine = d.vec().norm();
+  if (sine < 1e-9) return 2 * d.vec();
+  return d.vec() * (2 * std::atan2(sine, d.w()) / sine);
+}
+
+void Rod::build(const RodLayout& layout) {
+  const std::size_t n = layout.abscissa.size();
+  assert(n >= 2 && layout.rest.size() == n && layout.start.size() == n &&
+         layout.sections.size() == n - 1);
+  abscissa_ = layout.abscissa;
+  sections_ = layout.sections;
+  rest_ = layout.rest;
+  pose_ = free_ = layout.start;
+  elements_.clear();
+  masses_.clear();
+  for (std::size_t e = 0; e + 1 < n; ++e) {
+    elements_.emplace_back(rest_[e], rest_[e + 1], abscissa_[e + 1] - abscissa_[e], sections_[e]);
+    masses_.emplace_back(elements_.back());
+  }
+  twist_.assign(n - 1, 0);
+  free_twist_ = twist_;
+  for (auto* v : {&velocity_, &free_velocity_, &rhs_}) v->setZero(dofs());
+  clamped_.clear();
+  springs_.clear();
+  matrix_.resize(nodes());
+}
+
+void Rod::clamp(Index node) { clamped_.push_back(node); }
+
+void Rod::element_state(Index e, ElementState& s) const {
+  evaluate(elements_[e], pose_[e], pose_[e + 1], twist_[e], s);
+}
+
+namespace {
+
+/// The twelve numbers M (v_a, w_a, v_b, w_b) of one element.
+struct MassTimes {
+  Vec3 xa, sa, xb, sb;
+  MassTimes(const ElementMass& m, const ElementState& s, const Vec3& va, const Vec3& wa,
+            const Vec3& vb, const Vec3& wb) {
+    const Vec3 ra = wa.cross(s.ta), rb = wb.cross(s.tb);  // velocity of the tangents
+    xa = m.same * va + m.other * vb + m.couple_same * ra + m.couple_other * rb;
+    xb = m.same * vb + m.other * va - m.couple_same * rb - m.couple_other * ra;
+    const Vec3 ta = m.couple_same * va - m.couple_other * vb + m.spin_same * ra + m.spin_other * rb;
+    const Vec3 tb = -m.couple_same * vb + m.couple_other * va + m.spin_same * rb + m.spin_other * ra;
+    const Vec3 la = m.roll_same * wa + m.roll_other * wb, lb = m.roll_same * wb + m.roll_other * wa;
+    sa = s.ta.cross(ta) + la + s.e.dot(la) * s.e;
+    sb = s.tb.cross(tb) + lb + s.e.dot(lb) * s.e;
+  }
+};
+
+}  // namespace
+
+// One pass over the beams: matrix and right-hand side at once. `poses` is where forces are evaluated,
+// `v` the velocity there. First pass: poses at the start of the step, forces extrapolated by h K v.
+// Later Newton passes: poses = start + h v, and the inertia of v minus the old velocity is due.
+void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
+                      std::vector<Real>& twist, const VecX& v, bool first) {
+  const Real mass_factor = 1 + dt * damping_mass;
+  const Real stiffness_factor = dt * (dt + damping_stiffness);
+  const Real rate_factor = first ? stiffness_factor : dt * damping_stiffness;
+  // Gravity as a uniform change of velocity is exact and free of rounding; a clamp does not fall.
+  const bool falls = clamped_.empty();
+  const Vec3 fall = falls ? Vec3(dt * gravity) : Vec3::Zero();
+  const bool inertia = !first || damping_mass > 0;
+
+  rhs_.setZero();
+  matrix_.diagonal(0).setZero();
+  ElementState s;
+  ElementMatrix k;
+  for (Index e = 0; e < beams(); ++e) {
+    const ElementRest& r = elements_[e];
+    const ElementMass& m = masses_[e];
+    evaluate(r, poses[e], poses[e + 1], twist[e], s);
+    twist[e] = s.twist;
+    const ElementGradient g = gradient(r, s);
+    step_stiffness(r, s, k);
+
+    const Vec3 va = v.segment<3>(6 * e), wa = v.segment<3>(6 * e + 3);
+    const Vec3 vb = v.segment<3>(6 * e + 6), wb = v.segment<3>(6 * e + 9);
+    const Vec3 dv = vb - va;
+    const Vec3 fv = dt * g.v + rate_factor * (k.vv * dv + k.va * wa + k.vb * wb);
+    Vec3 fa = dt * g.a + rate_factor * (k.va.transpose() * dv + k.aa * wa + k.ab * wb);
+    Vec3 fb = dt * g.b + rate_factor * (k.vb.transpose() * dv + k.ab.transpose() * wa + k.bb * wb);
+    Vec3 xa = fv, xb = -fv;
+    if (!falls) {
+      const Vec3 weight = dt * r.mass * gravity;
+      xa += weight / 2;
+      xb += weight / 2;
+      fa -= r.length / 12 * s.ta.cross(weight);
+      fb += r.length / 12 * s.tb.cross(weight);
+    }
+    if (inertia) {
+      // Momentum due: M (v - v_old) in later passes, and mass damping. The unknown of the first pass
+      // leaves out the fall, which is therefore damped too; later ones compare with it.
+      const Real c = first ? 0 : 1, d = dt * damping_mass;
+      const Vec3 due = (first ? d : -1) * fall;
+      const auto rate = [&](Index i) {
+        return Vec3(c * (v.segment<3>(i) - velocity_.segment<3>(i)) + d * v.segment<3>(i));
+      };
+      const MassTimes p(m, s, rate(6 * e) + due, rate(6 * e + 3), rate(6 * e + 6) + due,
+                        rate(6 * e + 9));
+      xa -= p.xa;
+      xb -= p.xb;
+      fa += p.sa;
+      fb += p.sb;
+    }
+    rhs_.segment<3>(6 * e) += xa;
+    rhs_.segment<3>(6 * e + 3) -= fa;
+    rhs_.segment<3>(6 * e + 6) += xb;
+    rhs_.segment<3>(6 * e + 9) -= fb;
+
+    // Blocks of A = mass_factor M + stiffness_factor K.
+    Mat6& da = matrix_.diagonal(e);
+    Mat6& db = matrix_.diagonal(e + 1);
+    Mat6& up = matrix_.upper(e);
+    const Mat3 ee = s.e * s.e.transpose();
+    const Mat3 vv = stiffness_factor * k.vv;
+    const auto plus_diagonal = [](Mat3 a, Real c) {
+      a.diagonal().array() += c;
+      return a;
+    };
+    const Real same = mass_factor * m.same, other = mass_factor * m.other;
+    const Real cs = mass_factor * m.couple_same, co = mass_factor * m.couple_other;
+    const Real ss = mass_factor * m.spin_same, so = mass_factor * m.spin_other;
+    const Real rs = mass_factor * m.roll_same, ro = mass_factor * m.roll_other;
+    const Mat3 ta = cross_matrix(s.ta), tb = cross_matrix(s.tb);
+
+    da.topLeftCorner<3, 3>() += plus_diagonal(vv, same);
+    const Mat3 xs = stiffness_factor * k.va + cs * ta;
+    da.topRightCorner<3, 3>() -= xs;
+    da.bottomLeftCorner<3, 3>() -= xs.transpose();
+    da.bottomRightCorner<3, 3>() += plus_diagonal(
+        stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
+
+    db.topLeftCorner<3, 3>() = plus_diagonal(vv, same);
+    const Mat3 ys = stiffness_factor * k.vb + cs * tb;
+    db.topRightCorner<3, 3>() = ys;
+    db.bottomLeftCorner<3, 3>() = ys.transpose();
+    db.bottomRightCorner<3, 3>() = plus_diagonal(
+        stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
+
+    up.topLeftCorner<3, 3>() = plus_diagonal(-vv, other);
+    up.topRightCorner<3, 3>() = -stiffness_factor * k.vb - co * tb;
+    up.bottomLeftCorner<3, 3>() = (stiffness_factor * k.va + co * ta).transpose();
+    up.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
+                      so * s.ta.dot(s.tb) + ro);
+  }
+  apply_springs(dt, fall, poses, v, first);
+  for (const Index node : clamped_) {
+    for (int d = 0; d < 6; ++d) matrix_.fix(node, d);
+    rhs_.segment<6>(6 * node).setZero();
+  }
+}
+
+void Rod::apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
+                        bool first) {
+  for (const NodeSpring& spring : springs_) {
+    if (!spring.active) continue;
+    const Index i = 6 * spring.node;
+    const Pose& p = poses[spring.node];
+    const Real kt = spring.stiffness.translation, kr = spring.stiffness.rotation;
+    const Real ahead = first ? dt : 0;
+    rhs_.segment<3>(i) += dt * kt * (spring.target.position - p.position - ahead * v.segment<3>(i) -
+                                     dt * fall * (first ? 1 : 0));
+    rhs_.segment<3>(i + 3) += dt * kr * (rotation_between(p.rotation, spring.target.rotation) -
+                                         ahead * v.segment<3>(i + 3));
+    auto diagonal = matrix_.diagonal(spring.node).diagonal().array();
+    diagonal.head<3>() += dt * dt * kt;
+    diagonal.tail<3>() += dt * dt * kr;
+  }
+}
+
+void Rod::assemble(Real dt, const Vec3& gravity) {
+  assemble_at(dt, gravity, pose_, twist_, velocity_, true);
+}
+
+bool Rod::factor() { return matrix_.factor(); }
+
+void Rod::move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
+               Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const {
+  for (Index e = 0; e < beams(); ++e) {
+    const Vec3 span = from[e + 1].position - from[e].position;
+    const Vec3 spin = v.segment<3>(6 * e + 9) - v.segment<3>(6 * e + 3);
+    twist_to[e] = twist_from[e] + dt * span.dot(spin) / span.norm();
+  }
+  for (Index i = 0; i < nodes(); ++i) {
+    to[i].position = from[i].position + dt * v.segment<3>(6 * i);
+    to[i].rotation = rotated(from[i].rotation, dt * v.segment<3>(6 * i + 3));
+  }
+}
+
+void Rod::advance_free(Real dt, const Vec3& gravity) {
+  matrix_.solve(Eigen::Ref<VecX>(rhs_));
+  free_velocity_ = velocity_ + rhs_;
+  if (clamped_.empty())
+    for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
+  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+}
+
+bool Rod::free_motion(Real dt, const Vec3& gravity) {
+  assemble(dt, gravity);
+  if (!factor()) return false;
+  advance_free(dt, gravity);
+  for (Index i = 1; i < newton_iterations; ++i) {
+    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+    if (!factor()) return false;
+    matrix_.solve(Eigen::Ref<VecX>(rhs_));
+    free_velocity_ += rhs_;
+    move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+  }
+  return true;
+}
+
+void Rod::correct(Real dt, const VecX& force) {
+  rhs_ = force;
+  for (const Index node : clamped_) rhs_.segment<6>(6 * node).setZero();
+  matrix_.solve(Eigen::Ref<VecX>(rhs_));
+  velocity_ = free_velocity_ + dt * rhs_;
+  move(pose_, twist_, velocity_, dt, pose_, twist_);
+  for (NodeSpring& spring : springs_) {
+    if (!spring.active) continue;
+    const Pose& p = pose_[spring.node];
+    spring.applied.force = spring.stiffness.translation * (spring.target.position - p.position);
+    spring.applied.moment =
+        spring.stiffness.rotation * rotation_between(p.rotation, spring.target.rotation);
+  }
+}
+
+Real Rod::mass() const {
+  Real m = 0;
+  for (const ElementRest& r : elements_) m += r.mass;
+  return m;
+}
+
+Real Rod::elastic_energy() const {
+  Real u = 0;
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    u += thread::elastic_energy(elements_[e], s);
+  }
+  return u;
+}
+
+namespace {
+struct ElementVelocity {
+  Vec3 va, wa, vb, wb;
+  ElementVelocity(const VecX& v, Index e)
+      : va(v.segment<3>(6 * e)),
+        wa(v.segment<3>(6 * e + 3)),
+        vb(v.segment<3>(6 * e + 6)),
+        wb(v.segment<3>(6 * e + 9)) {}
+};
+}  // namespace
+
+Real Rod::kinetic_energy() const {
+  Real t = 0;
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    const ElementVelocity v(velocity_, e);
+    const MassTimes p(masses_[e], s, v.va, v.wa, v.vb, v.wb);
+    t += (p.xa.dot(v.va) + p.sa.dot(v.wa) + p.xb.dot(v.vb) + p.sb.dot(v.wb)) / 2;
+  }
+  return t;
+}
+
+Vec3 Rod::momentum() const {
+  Vec3 sum = Vec3::Zero();
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    const ElementVelocity v(velocity_, e);
+    const MassTimes p(masses_[e], s, v.va, v.wa, v.vb, v.wb);
+    sum += p.xa + p.xb;
+  }
+  return sum;
+}
+
+Vec3 Rod::angular_momentum() const {
+  Vec3 sum = Vec3::Zero();
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    const ElementVelocity v(velocity_, e);
+    const MassTimes p(masses_[e], s, v.va, v.wa, v.vb, v.wb);
+    sum += pose_[e].position.cross(p.xa) + p.sa + pose_[e + 1].position.cross(p.xb) + p.sb;
+  }
+  return sum;
+}
+
+bool Rod::finite() const {
+  for (const Pose& p : pose_)
+    if (!p.position.allFinite() || !p.rotation.coeffs().allFinite()) return false;
+  return velocity_.allFinite();
+}
+
+}  // namespace sutura::thread

@@ -1,0 +1,123 @@
+// A chain of beams: its state, one implicit Euler step, and its static equilibrium. Knows no scene.
+//
+// Step, on the change of velocity dv (6 per node: translation, spin; world axes):
+//   A dv = h (f - h K v - B v),  A = M + h B + h^2 K,  B = alpha M + beta K
+// with f the exact gradient of the energy and K its positive semidefinite part (element.h).
+#pragma once
+
+#include <vector>
+
+#include "block_tridiagonal.h"
+#include "element.h"
+#include "sutura/body.h"
+
+namespace sutura::thread {
+
+/// Where the nodes are along the rest curve, and what lies between them.
+struct RodLayout {
+  std::vector<Real> abscissa;     ///< nodes, ascending, m
+  std::vector<Pose> rest;         ///< section poses at rest, x axis = tangent
+  std::vector<Pose> start;        ///< section poses at the beginning
+  std::vector<Section> sections;  ///< one per beam
+};
+
+/// A section tied to a pose by a spring (Hold of a grasper).
+struct NodeSpring {
+  Index node = 0;
+  bool active = false;
+  Pose target;
+  HoldStiffness stiffness;
+  Wrench applied;  ///< on the rod, at the end of the last step
+};
+
+class Rod {
+ public:
+  // Settings.
+  Real damping_mass = 0;       ///< alpha, 1/s
+  Real damping_stiffness = 0;  ///< beta, s
+  Index newton_iterations = 1;
+
+  void build(const RodLayout& layout);
+  /// All six dofs of the node stay as they are.
+  void clamp(Index node);
+  const std::vector<Index>& clamped() const { return clamped_; }
+  std::vector<NodeSpring>& springs() { return springs_; }
+  const std::vector<NodeSpring>& springs() const { return springs_; }
+
+  Index nodes() const { return static_cast<Index>(pose_.size()); }
+  Index beams() const { return nodes() - 1; }
+  Index dofs() const { return 6 * nodes(); }
+  const std::vector<Real>& abscissa() const { return abscissa_; }
+  const std::vector<Pose>& poses(Configuration c) const {
+    return c == Configuration::rest ? rest_ : c == Configuration::free ? free_ : pose_;
+  }
+  std::vector<Pose>& state() { return pose_; }
+  VecX& velocity() { return velocity_; }
+  const VecX& velocity() const { return velocity_; }
+  const std::vector<Real>& twist() const { return twist_; }
+  std::vector<Real>& twist() { return twist_; }
+  const ElementRest& element(Index e) const { return elements_[e]; }
+  const Section& section(Index e) const { return sections_[e]; }
+  const BlockTridiagonal& matrix() const { return matrix_; }
+
+  /// Assembles and factors A at the current state, fills the free poses. False if it cannot.
+  bool free_motion(Real dt, const Vec3& gravity);
+  /// Adds dt A^-1 force to the free motion and moves to the end of the step.
+  void correct(Real dt, const VecX& force);
+
+  // The parts of free_motion, also for measurement.
+  void assemble(Real dt, const Vec3& gravity);
+  bool factor();
+  void advance_free(Real dt, const Vec3& gravity);
+
+  struct StaticReport {
+    bool converged = false;
+    int iterations = 0;
+    Real residual = 0;  ///< N, largest force (moments divided by the mean beam length)
+  };
+  /// Static equilibrium under gravity and dead nodal loads (force, moment; 6 per node) by Newton with
+  /// the full tangent, shifted where it is indefinite. Holds act as springs. Velocity becomes zero.
+  StaticReport equilibrium(const Vec3& gravity, const VecX& load, Real tolerance = 1e-10,
+                           int max_iterations = 200);
+
+  /// The full static tangent at the current state (clamps applied); `tension` replaces that of the beams.
+  void assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
+                        const std::vector<Real>* tension = nullptr) const;
+
+  Real mass() const;
+  Real elastic_energy() const;
+  Real kinetic_energy() const;
+  Vec3 momentum() const;
+  Vec3 angular_momentum() const;  ///< about the origin
+  bool finite() const;
+  /// State of one beam in the current configuration.
+  void element_state(Index e, ElementState& s) const;
+
+ private:
+  void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
+                   std::vector<Real>& twist, const VecX& v, bool first);
+  void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
+                     bool first);
+  void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
+            Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
+  Real limit_step(const VecX& step) const;
+  void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
+
+  std::vector<Real> abscissa_;
+  std::vector<Section> sections_;
+  std::vector<ElementRest> elements_;
+  std::vector<ElementMass> masses_;
+  std::vector<Pose> rest_, pose_, free_;
+  std::vector<Real> twist_, free_twist_;
+  VecX velocity_, free_velocity_, rhs_;
+  std::vector<Index> clamped_;
+  std::vector<NodeSpring> springs_;
+  BlockTridiagonal matrix_;
+};
+
+/// exp(spin) applied to q.
+Quat rotated(const Quat& q, const Vec3& spin);
+/// The rotation vector (norm at most pi) that takes `from` to `to`, in world axes.
+Vec3 rotation_between(const Quat& from, const Quat& to);
+
+}  // namespace sutura::thread

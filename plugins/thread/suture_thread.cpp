@@ -1,0 +1,235 @@
+#include "suture_thread.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace sutura::thread {
+
+void SutureThread::initialise(Setup& setup) {
+  if (tip_direction.norm() < 1e-9) setup.error(*this, "tip_direction must not be zero");
+  if (tip_direction.cross(plane_normal).norm() < 1e-6 * tip_direction.norm() * plane_normal.norm() ||
+      plane_normal.norm() < 1e-9)
+    setup.error(*this, "plane_normal must not be zero nor parallel to tip_direction");
+  if (!setup.diagnostics.ok()) return;
+  shape_ = {.needle_length = needle_arc_length,
+            .needle_angle = needle_angle,
+            .thread_length = thread_length,
+            .tip = tip,
+            .tip_direction = tip_direction,
+            .plane_normal = plane_normal,
+            .thread_direction = thread_direction,
+            .thread_bend_radius = thread_bend_radius,
+            .thread_rest_curvature = thread_rest_curvature};
+  build();
+}
+
+/// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a hold
+/// than a third of a beam moves there instead of making a sliver.
+std::vector<Real> SutureThread::node_abscissae() const {
+  std::vector<Real> nodes;
+  const auto uniform = [&](Real from, Real length, Index beams) {
+    for (Index i = 0; i < beams; ++i)
+      nodes.push_back(from + length * static_cast<Real>(i) / static_cast<Real>(beams));
+  };
+  if (needle_arc_length > 0) uniform(0, needle_arc_length, needle_beams);
+  uniform(needle_arc_length, thread_length, thread_beams);
+  nodes.push_back(shape_.length());
+
+  std::vector<Real> fixed = {0, needle_arc_length, shape_.length()};
+  const auto is_fixed = [&](Real s) {
+    return std::any_of(fixed.begin(), fixed.end(),
+                       [s](Real f) { return std::abs(f - s) < 1e-12; });
+  };
+  for (const Real s : holds_) {
+    const auto right = std::lower_bound(nodes.begin(), nodes.end(), s);
+    const auto near = right == nodes.begin() || *right - s < s - *(right - 1) ? right : right - 1;
+    const Real spacing = right == nodes.begin() ? 0 : *right - *(right - 1);
+    if (std::abs(*near - s) > 1e-9) {
+      if (std::abs(*near - s) < spacing / 3 && !is_fixed(*near)) *near = s;
+      else nodes.insert(right, s);
+    }
+    fixed.push_back(s);
+  }
+  return nodes;
+}
+
+void SutureThread::build() {
+  const Section needle{.radius = needle_diameter / 2,
+                       .young = needle_young,
+                       .poisson = needle_poisson,
+                       .density = needle_density};
+  const Section thread{.radius = thread_diameter / 2,
+                       .young = thread_young,
+                       .poisson = thread_poisson,
+                       .density = thread_density,
+                       .bending_factor = bending_factor};
+  RodLayout layout;
+  layout.abscissa = node_abscissae();
+  for (const Real s : layout.abscissa) {
+    layout.rest.push_back(shape_.rest(s));
+    layout.start.push_back(shape_.start(s));
+  }
+  for (std::size_t e = 0; e + 1 < layout.abscissa.size(); ++e)
+    layout.sections.push_back(layout.abscissa[e + 1] <= needle_arc_length + 1e-12 ? needle : thread);
+  rod_.damping_mass = damping_mass;
+  rod_.damping_stiffness = damping_stiffness;
+  rod_.newton_iterations = newton_iterations;
+  rod_.build(layout);
+  if (clamp == Clamp::start || clamp == Clamp::both) rod_.clamp(0);
+  if (clamp == Clamp::end || clamp == Clamp::both) rod_.clamp(rod_.nodes() - 1);
+  for (const Real s : holds_) {
+    const CurvePlace at = place(rod_, s);
+    rod_.springs().emplace_back().node = at.beam + (at.u > 0.5 ? 1 : 0);
+  }
+  touched_.reserve(static_cast<std::size_t>(rod_.nodes()));
+  touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
+}
+
+void SutureThread::free_motion(const StepContext& context) {
+  factored_ = rod_.free_motion(context.dt, context.gravity);
+}
+
+void SutureThread::correct(const StepContext& context, const VecX& force) {
+  if (factored_) rod_.correct(context.dt, force);
+}
+
+Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
+  return point(p.weights[0], c);
+}
+
+void SutureThread::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
+  curve_jacobian(rod_, p.weights[0], out);
+}
+
+void SutureThread::solve(Eigen::Ref<MatX> columns) const {
+  for (const Index node : rod_.clamped()) columns.middleRows<6>(6 * node).setZero();
+  rod_.matrix().solve(columns);
+}
+
+// Only touched nodes matter: W(row, row') = dt^2 sum h_a^T G_ab h_b over the blocks G of A^-1 between
+// them, which the elimination gives in O(nodes + touched^2) (block_tridiagonal.h).
+void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
+  const auto is_clamped = [&](Index node) {
+    return std::find(rod_.clamped().begin(), rod_.clamped().end(), node) != rod_.clamped().end();
+  };
+  touched_ = rows.node;
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  std::erase_if(touched_, is_clamped);
+  const auto count = static_cast<Index>(touched_.size());
+  for (Index t = 0; t < count; ++t) touched_place_[touched_[t]] = t;
+  rod_.matrix().inverse_blocks(touched_, inverse_);
+
+  const auto coefficients = [&](Index entry) {
+    return Eigen::Map<const Vec6>(rows.value.data() + 6 * entry);
+  };
+  for (Index j = 0; j < rows.size(); ++j) {
+    for (Index f = rows.start[j]; f < rows.start[j + 1]; ++f) {
+      const Index b = touched_place_[rows.node[f]];
+      if (b < 0) continue;
+      // Column of A^-1 H^T for this entry, only where a row needs it.
+      Index previous = -1;
+      Vec6 column = Vec6::Zero();
+      for (Index i = 0; i < rows.size(); ++i) {
+        Real sum = 0;
+        for (Index e = rows.start[i]; e < rows.start[i + 1]; ++e) {
+          const Index a = touched_place_[rows.node[e]];
+          if (a < 0) continue;
+          if (a != previous) {
+            if (a <= b) column.noalias() = inverse_[a * count + b] * coefficients(f);
+            else column.noalias() = inverse_[b * count + a].transpose() * coefficients(f);
+            previous = a;
+          }
+          sum += coefficients(e).dot(column);
+        }
+        W(rows.row[i], rows.row[j]) += dt * dt * sum;
+      }
+    }
+  }
+  for (const Index node : touched_) touched_place_[node] = -1;
+}
+
+Real SutureThread::radius(Real s) const {
+  return (s < shape_.needle_length ? needle_diameter : thread_diameter) / 2;
+}
+
+EmbeddedPoint SutureThread::embed(Real s) const {
+  EmbeddedPoint p;
+  p.element = place(rod_, s).beam;
+  p.weights[0] = std::clamp(s, 0., length());
+  return p;
+}
+
+Index SutureThread::add_hold(Real s) {
+  holds_.push_back(std::clamp(s, 0., length()));
+  build();
+  return static_cast<Index>(holds_.size()) - 1;
+}
+
+void SutureThread::set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) {
+  NodeSpring& spring = rod_.springs()[hold];
+  spring.active = true;
+  spring.target = target;
+  spring.stiffness = stiffness;
+}
+
+void SutureThread::release_hold(Index hold) {
+  rod_.springs()[hold].active = false;
+  rod_.springs()[hold].applied = {};
+}
+
+Wrench SutureThread::hold_wrench(Index hold) const { return rod_.springs()[hold].applied; }
+
+Real SutureThread::largest_strain() const {
+  Real largest = 0;
+  ElementState s;
+  for (Index e = 0; e < rod_.beams(); ++e) {
+    rod_.element_state(e, s);
+    largest = std::max(largest, std::abs(s.strain));
+  }
+  return largest;
+}
+
+namespace {
+/// Mean curvature of a beam, from its end tangents.
+Real curvature(const Rod& rod, Index e) {
+  const auto& p = rod.poses(Configuration::current);
+  const Vec3 ta = p[e].rotation * Vec3::UnitX(), tb = p[e + 1].rotation * Vec3::UnitX();
+  return std::atan2(ta.cross(tb).norm(), ta.dot(tb)) / rod.element(e).length;
+}
+}  // namespace
+
+Real SutureThread::largest_curvature() const {
+  Real largest = 0;
+  for (Index e = 0; e < rod_.beams(); ++e) largest = std::max(largest, curvature(rod_, e));
+  return largest;
+}
+
+BodyGeometry SutureThread::geometry() const {
+  BodyGeometry g;
+  g.cell = BodyGeometry::Cell::line;
+  BodyGeometry::Field velocity{"velocity [m/s]", false, 3, {}};
+  BodyGeometry::Field abscissa{"abscissa [m]", false, 1, {}};
+  BodyGeometry::Field radius_field{"radius [m]", true, 1, {}};
+  BodyGeometry::Field tension{"axial force [N]", true, 1, {}};
+  BodyGeometry::Field bend{"curvature [1/m]", true, 1, {}};
+  for (Index i = 0; i < rod_.nodes(); ++i) {
+    g.points.push_back(rod_.poses(Configuration::current)[i].position);
+    abscissa.values.push_back(rod_.abscissa()[i]);
+    for (int k = 0; k < 3; ++k) velocity.values.push_back(rod_.velocity()[6 * i + k]);
+  }
+  ElementState s;
+  for (Index e = 0; e < rod_.beams(); ++e) {
+    g.connectivity.push_back(e);
+    g.connectivity.push_back(e + 1);
+    rod_.element_state(e, s);
+    radius_field.values.push_back(rod_.section(e).radius);
+    tension.values.push_back(s.tension);
+    bend.values.push_back(curvature(rod_, e));
+  }
+  g.fields = {velocity, abscissa, radius_field, tension, bend};
+  return g;
+}
+
+}  // namespace sutura::thread

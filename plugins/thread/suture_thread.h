@@ -1,0 +1,80 @@
+// SutureThread: needle and thread as one chain of beams.
+#pragma once
+
+#include "curve.h"
+#include "rod.h"
+#include "sutura/body.h"
+#include "sutura/describe.h"
+#include "suture_shape.h"
+
+namespace sutura::thread {
+
+class SutureThread : public Component, public CurveBody {
+ public:
+  enum class Clamp { none, start, end, both };
+
+  // Attributes; each is explained in describe().
+  Real needle_arc_length = 26e-3, needle_angle = std::numbers::pi, needle_diameter = 0.65e-3;
+  Real needle_young = 190e9, needle_poisson = 0.3, needle_density = 7850;
+  Real thread_length = 0.3, thread_diameter = 0.175e-3;
+  Real thread_young = 1.5e9, thread_poisson = 0.4, thread_density = 910, bending_factor = 1;
+  Real thread_bend_radius = 5e-3, thread_rest_curvature = 0;
+  Index needle_beams = 12, thread_beams = 100, newton_iterations = 1;
+  Vec3 tip = Vec3::Zero(), tip_direction = Vec3::UnitX(), plane_normal = Vec3::UnitZ();
+  Vec3 thread_direction = Vec3::Zero();
+  Real damping_mass = 0, damping_stiffness = 0;
+  Clamp clamp = Clamp::none;
+  static void describe(Describe<SutureThread>& d);
+
+  void initialise(Setup& setup) override;
+
+  // Body
+  Index dofs() const override { return rod_.dofs(); }
+  int width() const override { return 6; }
+  void free_motion(const StepContext& context) override;
+  Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
+  void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
+  void solve(Eigen::Ref<MatX> columns) const override;
+  void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
+  void correct(const StepContext& context, const VecX& force) override;
+  Vec3 momentum() const override { return rod_.momentum(); }
+  Real mass() const override { return rod_.mass(); }
+  Real energy() const override { return rod_.kinetic_energy() + rod_.elastic_energy(); }
+  bool finite() const override { return factored_ && rod_.finite(); }
+  BodyGeometry geometry() const override;
+
+  // CurveBody
+  Real length() const override { return shape_.length(); }
+  Real needle_length() const override { return shape_.needle_length; }
+  Real radius(Real s) const override;
+  EmbeddedPoint embed(Real s) const override;
+  Vec3 point(Real s, Configuration c) const override { return curve_point(rod_, s, c); }
+  Vec3 tangent(Real s, Configuration c) const override { return curve_tangent(rod_, s, c); }
+  Pose frame(Real s, Configuration c) const override { return curve_frame(rod_, s, c); }
+  Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
+                        Configuration c) const override {
+    return curve_closest(rod_, p, guess, low, high, c);
+  }
+  Index add_hold(Real s) override;
+  void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
+  void release_hold(Index hold) override;
+  Wrench hold_wrench(Index hold) const override;
+
+  const Rod& rod() const { return rod_; }
+  Real largest_strain() const;
+  Real largest_curvature() const;
+
+ private:
+  void build();
+  std::vector<Real> node_abscissae() const;
+
+  Rod rod_;
+  SutureShape shape_;
+  std::vector<Real> holds_;  ///< abscissae
+  bool factored_ = true;
+  // Work space of add_compliance.
+  mutable std::vector<Index> touched_, touched_place_;
+  mutable std::vector<Mat6> inverse_;
+};
+
+}  // namespace sutura::thread

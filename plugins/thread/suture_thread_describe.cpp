@@ -1,0 +1,78 @@
+#include "suture_thread.h"
+
+namespace sutura::thread {
+
+void SutureThread::describe(Describe<SutureThread>& d) {
+  using T = SutureThread;
+  d.summary(
+      "Needle and suture thread as one chain of corotational beams: abscissa 0 at the needle tip, growing "
+      "to the end of the thread.");
+  d.theory("See docs/theory/thread.md.");
+
+  d.attribute("needle_length", &T::needle_arc_length, "m", at_least(0),
+              "Length of the needle along its arc; 0: thread without needle.");
+  d.attribute("needle_angle", &T::needle_angle, "rad", between(0, 6.2),
+              "Angle of the needle's arc; 180 deg is a half circle, 0 a straight needle.");
+  d.attribute("needle_diameter", &T::needle_diameter, "m", above(0), "Diameter of the needle's wire.");
+  d.attribute("needle_young", &T::needle_young, "Pa", above(0), "Young modulus of the needle.");
+  d.attribute("needle_poisson", &T::needle_poisson, "1", between(0, 0.5),
+              "Poisson ratio of the needle.");
+  d.attribute("needle_density", &T::needle_density, "kg/m^3", above(0), "Density of the needle.");
+  d.attribute("needle_beams", &T::needle_beams, between(1, 10000), "Beams of the needle.");
+
+  d.attribute("thread_length", &T::thread_length, "m", above(0), "Length of the thread.");
+  d.attribute("thread_diameter", &T::thread_diameter, "m", above(0), "Diameter of the thread.");
+  d.attribute("thread_young", &T::thread_young, "Pa", above(0), "Young modulus of the thread.");
+  d.attribute("thread_poisson", &T::thread_poisson, "1", between(0, 0.5),
+              "Poisson ratio of the thread.");
+  d.attribute("thread_density", &T::thread_density, "kg/m^3", above(0), "Density of the thread.");
+  d.attribute("bending_factor", &T::bending_factor, "1", strictly_between(0, 10),
+              "Bending and torsional stiffness relative to a solid wire of the same modulus: 1 for a "
+              "monofilament, about 0.05 for a braid.");
+  d.attribute("thread_rest_curvature", &T::thread_rest_curvature, "1/m", any(),
+              "Memory of the spool: curvature of the thread at rest, in the plane of the needle.");
+  d.attribute("thread_beams", &T::thread_beams, between(1, 100000), "Beams of the thread.");
+
+  d.attribute("tip", &T::tip, "m", any(), "Where the needle tip is at the start.");
+  d.attribute("tip_direction", &T::tip_direction, "1", any(),
+              "Where the tip points: the direction in which it advances.");
+  d.attribute("plane_normal", &T::plane_normal, "1", any(),
+              "Normal of the needle's plane: turning the needle right-handed about it advances the tip "
+              "along the needle's own arc.");
+  d.attribute("thread_direction", &T::thread_direction, "1", any(),
+              "Direction in which the thread is laid out at the start; 0 0 0: straight on from the "
+              "needle's end.");
+  d.attribute("thread_bend_radius", &T::thread_bend_radius, "m", above(0),
+              "Radius of the bend by which the laid out thread turns into thread_direction.");
+  d.attribute("clamp", &T::clamp, {"none", "start", "end", "both"},
+              "Which end sections are fixed in space, in place and direction.");
+
+  d.attribute("damping_mass", &T::damping_mass, "1/s", at_least(0),
+              "Rayleigh damping, part of the mass matrix.");
+  d.attribute("damping_stiffness", &T::damping_stiffness, "s", at_least(0),
+              "Rayleigh damping, part of the stiffness matrix.");
+  d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
+              "Linearisations per time step: 1 is enough for most scenes, more follow fast large "
+              "motion more closely.");
+
+  d.output("tip_position", "m", "Position of abscissa 0.",
+           [](const T& t) { return t.rod_.poses(Configuration::current).front().position; });
+  d.output("end_position", "m", "Position of the end of the thread.",
+           [](const T& t) { return t.rod_.poses(Configuration::current).back().position; });
+  d.output("tip_velocity", "m/s", "Velocity of abscissa 0.",
+           [](const T& t) { return Vec3(t.rod_.velocity().head<3>()); });
+  d.output("energy", "J", "Kinetic plus elastic energy.", [](const T& t) { return t.energy(); });
+  d.output("kinetic_energy", "J", "Kinetic energy.",
+           [](const T& t) { return t.rod_.kinetic_energy(); });
+  d.output("elastic_energy", "J", "Elastic energy.",
+           [](const T& t) { return t.rod_.elastic_energy(); });
+  d.output("momentum", "kg m/s", "Linear momentum.", [](const T& t) { return t.momentum(); });
+  d.output("largest_strain", "1", "Largest axial strain of a beam, by magnitude.",
+           [](const T& t) { return t.largest_strain(); });
+  d.output("largest_curvature", "1/m", "Largest mean curvature of a beam.",
+           [](const T& t) { return t.largest_curvature(); });
+  d.output("beams", "1", "Number of beams.",
+           [](const T& t) { return static_cast<Real>(t.rod_.beams()); });
+}
+
+}  // namespace sutura::thread

@@ -1,0 +1,63 @@
+#include "async_factor.h"
+
+#include <cassert>
+#include <utility>
+
+namespace sutura {
+
+void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& plan) {
+  const auto start = std::chrono::steady_clock::now();
+  if (!factor) factor = make_factor(plan);
+  ok = factor->factorise(snapshot->A);
+  if (ok) tail = factor->tail_compliance();
+  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook)
+    : plan_(std::move(plan)), hook_(std::move(hook)), thread_([this] { run(); }) {}
+
+FactorWorker::~FactorWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void FactorWorker::submit(std::unique_ptr<SnapshotFactor> job) {
+  assert(!busy_);
+  busy_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    job_ = std::move(job);
+  }
+  wake_.notify_one();
+}
+
+std::unique_ptr<SnapshotFactor> FactorWorker::take(std::chrono::duration<double> patience) {
+  std::unique_lock lock(mutex_);
+  if (!answer_ && patience.count() > 0)
+    done_.wait_for(lock, patience, [this] { return answer_ != nullptr; });
+  if (answer_) busy_ = false;
+  return std::move(answer_);
+}
+
+void FactorWorker::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [this] { return stop_ || job_; });
+    if (stop_) return;
+    std::unique_ptr<SnapshotFactor> job = std::move(job_);
+    lock.unlock();
+    const bool answer = !hook_ || hook_(job->snapshot->step);
+    if (answer) job->factorise(plan_);
+    lock.lock();
+    if (answer) {
+      answer_ = std::move(job);
+      done_.notify_one();
+    }
+  }
+}
+
+}  // namespace sutura

@@ -1,0 +1,69 @@
+// A worker that factorises snapshots of the system matrix while the simulation runs on.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "block_matrix.h"
+#include "factor.h"
+#include "sutura/types.h"
+
+namespace sutura {
+
+/// The matrix of one step and the rotations of its nodes. Written by the simulation, then not changed
+/// until the factor made from it has been replaced.
+struct Snapshot {
+  NodeMatrix A;
+  std::vector<Mat3> rotations;
+  Index step = -1;
+};
+
+/// What the worker publishes.
+struct SnapshotFactor {
+  std::shared_ptr<Snapshot> snapshot;
+  std::unique_ptr<Factor> factor;
+  MatX tail;          ///< compliance of the candidates, in the axes of the snapshot
+  bool ok = false;    ///< false: not positive definite
+  double seconds = 0; ///< wall time of the factorisation
+
+  /// Fills factor, tail and ok from the snapshot. The same bits on whichever worker it runs.
+  void factorise(const std::shared_ptr<const FactorPlan>& plan);
+};
+
+class FactorWorker {
+ public:
+  /// `hook`, for tests: called on the worker before each factorisation with the step of the snapshot;
+  /// it may sleep, and the job is lost without an answer if it returns false.
+  using Hook = std::function<bool(Index step)>;
+  explicit FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook = {});
+  ~FactorWorker();
+  FactorWorker(const FactorWorker&) = delete;
+  FactorWorker& operator=(const FactorWorker&) = delete;
+
+  /// A snapshot has been handed in and its factor not taken out yet.
+  bool busy() const { return busy_; }
+  /// Not while busy. `job` carries the snapshot, and if it has one, a factor whose memory is reused.
+  void submit(std::unique_ptr<SnapshotFactor> job);
+  /// The answer, waiting for it at most `patience`; null if there is none yet.
+  std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience);
+
+ private:
+  void run();
+
+  std::shared_ptr<const FactorPlan> plan_;
+  Hook hook_;
+  bool busy_ = false;  ///< touched by the simulation only
+  std::mutex mutex_;   ///< guards the three below; held for a few instructions
+  std::condition_variable wake_, done_;
+  std::unique_ptr<SnapshotFactor> job_, answer_;
+  bool stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace sutura

@@ -1,0 +1,193 @@
+#include "async_solver.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace sutura {
+
+AsyncSolver::~AsyncSolver() = default;
+
+void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+                          std::span<const Index> candidates) {
+  worker_.reset();
+  current_.reset();
+  spare_.reset();
+  in_flight_.reset();
+  postponed_.reset();
+  worker_lost_ = false;
+  adoptions_.clear();
+  pattern_ = std::move(pattern);
+  fixed_.assign(fixed.begin(), fixed.end());
+  plan_ = make_factor_plan(*pattern_, fixed_, candidates, options_.backend);
+  tail_of_node_.assign(static_cast<std::size_t>(pattern_->nodes()), -1);
+  const auto tail = tail_nodes(*plan_);
+  for (std::size_t k = 0; k < tail.size(); ++k)
+    tail_of_node_[static_cast<std::size_t>(tail[k])] = static_cast<Index>(k);
+  report_ = {};
+  last_iterations_ = 0;
+}
+
+void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) {
+  assert(plan_ && A.pattern() == pattern_);
+  A_ = &A;
+  rotations_.assign(rotations.begin(), rotations.end());
+  step_ = step;
+  jacobi_ready_ = false;
+  const Index failed = report_.failed_factors, adopted = report_.adopted_at;
+  report_ = {};
+  report_.failed_factors = failed;
+  report_.adopted_at = adopted;
+
+  adopt_what_is_due();
+  if (!current_) factorise_here();
+  if (!in_flight_ && wants_new_factor()) {
+    auto job = take_snapshot();
+    in_flight_ = job->snapshot;
+    if (worker_lost_) {
+      postponed_ = std::move(job);
+    } else {
+      if (!worker_) worker_ = std::make_unique<FactorWorker>(plan_, options_.hook);
+      worker_->submit(std::move(job));
+    }
+  }
+  last_iterations_ = 0;
+  if (current_) {
+    warped_.set(*current_->factor, current_->snapshot->rotations, rotations_);
+    report_.factor_age = step_ - current_->snapshot->step;
+    report_.stale = report_.factor_age > options_.max_age;
+    if (report_.stale && report_.message.empty())
+      report_.message = "the worker is late: the factor is " +
+                        std::to_string(report_.factor_age) + " steps old";
+  }
+}
+
+/// A copy of the matrix of this step, in recycled memory.
+std::unique_ptr<SnapshotFactor> AsyncSolver::take_snapshot() {
+  auto job = spare_ ? std::move(spare_) : std::make_unique<SnapshotFactor>();
+  if (!job->snapshot) job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, -1});
+  else job->snapshot->A = *A_;
+  job->snapshot->rotations = rotations_;
+  job->snapshot->step = step_;
+  return job;
+}
+
+bool AsyncSolver::wants_new_factor() const {
+  if (!current_) return false;  // factorise_here has just failed on this very matrix
+  if (current_->snapshot->step == step_) return false;
+  if (!options_.replay.empty())
+    return std::any_of(options_.replay.begin(), options_.replay.end(), [&](const Adoption& a) {
+      return a.snapshot == step_ && a.step > a.snapshot;
+    });
+  return last_iterations_ > options_.refactor_iterations ||
+         step_ - current_->snapshot->step >= options_.max_age;
+}
+
+bool AsyncSolver::is_due() const {
+  if (!options_.replay.empty())
+    return std::find(options_.replay.begin(), options_.replay.end(),
+                     Adoption{step_, in_flight_->step}) != options_.replay.end();
+  return options_.lag < 0 || step_ >= in_flight_->step + options_.lag;
+}
+
+void AsyncSolver::adopt_what_is_due() {
+  if (!in_flight_ || !is_due()) return;
+  std::unique_ptr<SnapshotFactor> fresh;
+  if (!worker_lost_)
+    fresh = worker_->take(
+        std::chrono::duration<double>(adoption_is_fixed() ? options_.patience : 0));
+  if (!fresh) {
+    if (!adoption_is_fixed()) return;
+    if (worker_lost_) {
+      fresh = std::move(postponed_);
+    } else {
+      // Wherever it is, the worker may still read the snapshot: it keeps that one for good.
+      worker_lost_ = true;
+      report_.message = "the worker did not answer: factorising in the step from now on";
+      fresh = std::make_unique<SnapshotFactor>();
+      fresh->snapshot = std::make_shared<Snapshot>(*in_flight_);
+    }
+    fresh->factorise(plan_);
+  }
+  in_flight_.reset();
+  adopt(std::move(fresh));
+}
+
+void AsyncSolver::adopt(std::unique_ptr<SnapshotFactor> fresh) {
+  if (!fresh->ok) {
+    ++report_.failed_factors;
+    report_.message = "the matrix of step " + std::to_string(fresh->snapshot->step) +
+                      " is not positive definite: keeping the older factor";
+    spare_ = std::move(fresh);
+    return;
+  }
+  // A factor made here in the meantime may be younger than what the worker was asked for.
+  if (current_ && current_->snapshot->step > fresh->snapshot->step) {
+    spare_ = std::move(fresh);
+    return;
+  }
+  if (current_) spare_ = std::move(current_);
+  current_ = std::move(fresh);
+  report_.adopted_at = step_;
+  adoptions_.push_back({step_, current_->snapshot->step});
+}
+
+/// Factorises the matrix of this step, now.
+bool AsyncSolver::factorise_here() {
+  auto fresh = take_snapshot();
+  fresh->factorise(plan_);
+  const bool ok = fresh->ok;
+  adopt(std::move(fresh));
+  if (ok) {
+    warped_.set(*current_->factor, current_->snapshot->rotations, rotations_);
+    report_.factor_age = 0;
+    report_.stale = false;
+  }
+  return ok;
+}
+
+const Preconditioner& AsyncSolver::preconditioner() {
+  if (current_) return warped_;
+  if (!jacobi_ready_) jacobi_.compute(*A_, fixed_);
+  jacobi_ready_ = true;
+  return jacobi_;
+}
+
+void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
+  assert(A_);
+  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
+                           options_.max_iterations);
+  report_.iterations += r.iterations;
+  last_iterations_ = std::max(last_iterations_, r.iterations);
+  const bool older = current_ && current_->snapshot->step != step_;
+  if (!r.converged && older && factorise_here()) {
+    report_.message = "the older factor was too poor: the matrix of the step was factorised at once";
+    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
+                   options_.max_iterations);
+    report_.iterations += r.iterations;
+  }
+  report_.solves += columns.cols();
+  report_.residual = std::max(report_.residual, r.residual);
+  if (!r.converged) {
+    report_.converged = false;
+    report_.message = current_ ? "conjugate gradients did not converge"
+                               : "no factor, and conjugate gradients did not converge without one";
+  }
+  columns = x_;
+}
+
+bool AsyncSolver::has_compliance(std::span<const Index> nodes) const {
+  return current_ && std::all_of(nodes.begin(), nodes.end(), [&](Index i) {
+           const auto k = static_cast<std::size_t>(i);
+           return tail_of_node_[k] >= 0 || (!fixed_.empty() && fixed_[k]);
+         });
+}
+
+Mat3 AsyncSolver::compliance_block(Index i, Index j) const {
+  const Index a = tail_of_node_[static_cast<std::size_t>(i)];
+  const Index b = tail_of_node_[static_cast<std::size_t>(j)];
+  if (a < 0 || b < 0) return Mat3::Zero();  // fixed
+  return warped_.turn(i) * current_->tail.block<3, 3>(3 * a, 3 * b) * warped_.turn(j).transpose();
+}
+
+}  // namespace sutura

@@ -1,0 +1,95 @@
+// PCG on the matrix of the step, preconditioned by a factor that a worker made of an earlier one.
+// docs/theory/preconditioner.md has the equations and the measurements.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "async_factor.h"
+#include "factor.h"
+#include "pcg.h"
+#include "tissue_solver.h"
+
+namespace sutura {
+
+/// Step at which a factor was adopted, and the step of its snapshot.
+struct Adoption {
+  Index step, snapshot;
+  bool operator==(const Adoption&) const = default;
+};
+
+struct AsyncOptions {
+  FactorBackend backend = default_backend();
+  Real tolerance = 1e-4;        ///< |b - A x| / |b|
+  Index max_iterations = 200;   ///< then the matrix of the step is factorised at once
+  /// -1: a factor is adopted in the first step that finds it ready. k >= 0: exactly k steps after its
+  /// snapshot, waiting for it if need be, so that a run can be repeated bit by bit.
+  Index lag = -1;
+  /// Not empty: snapshots and adoptions happen exactly as in this log of an earlier run with lag -1
+  /// (AsyncSolver::adoptions), whose results are then repeated bit by bit.
+  std::vector<Adoption> replay;
+  Index refactor_iterations = 2;  ///< a step that needed more asks for a new factor
+  Index max_age = 200;            ///< steps; an older factor is replaced anyway, and called stale
+  /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot here. The
+  /// result is the same.
+  Real patience = 10;
+  FactorWorker::Hook hook;  ///< for tests
+};
+
+class AsyncSolver : public TissueSolver {
+ public:
+  explicit AsyncSolver(AsyncOptions options = {}) : options_(std::move(options)) {}
+  ~AsyncSolver() override;
+  void set_options(AsyncOptions options) { options_ = std::move(options); }
+  const AsyncOptions& options() const { return options_; }
+
+  void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+               std::span<const Index> candidates) override;
+  bool wants_rotations() const override { return true; }
+  void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
+  void solve(Eigen::Ref<MatX> columns) override;
+  bool has_compliance(std::span<const Index> nodes) const override;
+  Mat3 compliance_block(Index i, Index j) const override;
+  const TissueSolveReport& report() const override { return report_; }
+
+  const std::vector<Adoption>& adoptions() const { return adoptions_; }
+
+ private:
+  std::unique_ptr<SnapshotFactor> take_snapshot();
+  void adopt(std::unique_ptr<SnapshotFactor> fresh);
+  void adopt_what_is_due();
+  bool factorise_here();
+  bool wants_new_factor() const;
+  bool adoption_is_fixed() const { return options_.lag >= 0 || !options_.replay.empty(); }
+  bool is_due() const;
+  const Preconditioner& preconditioner();
+
+  AsyncOptions options_;
+  std::shared_ptr<const NodePattern> pattern_;
+  std::shared_ptr<const FactorPlan> plan_;
+  std::vector<char> fixed_;
+  std::vector<Index> tail_of_node_;  ///< place among the candidates, or -1
+
+  const NodeMatrix* A_ = nullptr;
+  std::vector<Mat3> rotations_;
+  Index step_ = 0;
+
+  std::unique_ptr<SnapshotFactor> current_;  ///< in use; null until one succeeds
+  std::unique_ptr<SnapshotFactor> spare_;    ///< memory of the one before
+  std::shared_ptr<Snapshot> in_flight_;      ///< handed to the worker, not adopted yet
+  bool worker_lost_ = false;                 ///< it never answered: factorise here from now on
+  std::unique_ptr<SnapshotFactor> postponed_;  ///< what the lost worker would have been given
+  std::unique_ptr<FactorWorker> worker_;
+
+  Pcg pcg_;
+  WarpedFactor warped_;
+  BlockJacobi jacobi_;
+  bool jacobi_ready_ = false;
+  MatX x_;
+  Index last_iterations_ = 0;
+  std::vector<Adoption> adoptions_;
+  TissueSolveReport report_;
+};
+
+}  // namespace sutura

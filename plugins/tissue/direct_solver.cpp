@@ -1,0 +1,77 @@
+#include "direct_solver.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace sutura {
+
+void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
+                                std::span<const char> fixed, std::span<const Index> candidates) {
+  fixed_.assign(fixed.begin(), fixed.end());
+  plan_ = make_factor_plan(*pattern, fixed_, candidates, backend_);
+  factor_ = make_factor(plan_);
+  tail_of_node_.assign(static_cast<std::size_t>(pattern->nodes()), -1);
+  const auto tail = tail_nodes(*plan_);
+  for (std::size_t k = 0; k < tail.size(); ++k)
+    tail_of_node_[static_cast<std::size_t>(tail[k])] = static_cast<Index>(k);
+  report_ = {};
+}
+
+void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Index step) {
+  assert(factor_);
+  A_ = &A;
+  const Index failed = report_.failed_factors;
+  report_ = {};
+  ok_ = factor_->factorise(A);
+  has_tail_ = false;
+  report_.failed_factors = failed + (ok_ ? 0 : 1);
+  report_.adopted_at = step;
+  if (!ok_) report_.message = "the matrix is not positive definite: conjugate gradients instead";
+}
+
+void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
+  assert(A_);
+  report_.solves += columns.cols();
+  if (ok_) {
+    x_ = columns;
+    factor_->solve(x_);
+    for (Index c = 0; c < columns.cols(); ++c) {
+      in_ = x_.col(c);
+      A_->multiply(in_, out_);
+      out_ = columns.col(c) - out_;
+      in_ = columns.col(c);
+      clear_fixed(fixed_, out_);
+      clear_fixed(fixed_, in_);
+      const Real scale = in_.norm();
+      if (scale > 0) report_.residual = std::max(report_.residual, out_.norm() / scale);
+    }
+  } else {
+    BlockJacobi jacobi;
+    jacobi.compute(*A_, fixed_);
+    const PcgReport r = pcg_.solve(*A_, fixed_, jacobi, columns, x_, 1e-6, 1000);
+    report_.iterations += r.iterations;
+    report_.residual = std::max(report_.residual, r.residual);
+    report_.converged = report_.converged && r.converged;
+  }
+  columns = x_;
+}
+
+bool SynchronousSolver::has_compliance(std::span<const Index> nodes) const {
+  return ok_ && std::all_of(nodes.begin(), nodes.end(), [&](Index i) {
+           const auto k = static_cast<std::size_t>(i);
+           return tail_of_node_[k] >= 0 || (!fixed_.empty() && fixed_[k]);
+         });
+}
+
+Mat3 SynchronousSolver::compliance_block(Index i, Index j) const {
+  const Index a = tail_of_node_[static_cast<std::size_t>(i)];
+  const Index b = tail_of_node_[static_cast<std::size_t>(j)];
+  if (a < 0 || b < 0) return Mat3::Zero();  // fixed
+  if (!has_tail_) tail_ = factor_->tail_compliance();
+  has_tail_ = true;
+  return tail_.block<3, 3>(3 * a, 3 * b);
+}
+
+std::unique_ptr<TissueSolver> make_direct_solver() { return std::make_unique<SynchronousSolver>(); }
+
+}  // namespace sutura

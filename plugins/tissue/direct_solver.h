@@ -1,0 +1,44 @@
+// Factorises the matrix of every step: exact, simple, and the reference for the asynchronous solver.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "factor.h"
+#include "pcg.h"
+#include "tissue_solver.h"
+
+namespace sutura {
+
+class SynchronousSolver : public TissueSolver {
+ public:
+  explicit SynchronousSolver(FactorBackend backend = default_backend()) : backend_(backend) {}
+  void set_backend(FactorBackend backend) { backend_ = backend; }
+
+  void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+               std::span<const Index> candidates) override;
+  bool wants_rotations() const override { return false; }
+  void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
+  void solve(Eigen::Ref<MatX> columns) override;
+  bool has_compliance(std::span<const Index> nodes) const override;
+  Mat3 compliance_block(Index i, Index j) const override;
+  const TissueSolveReport& report() const override { return report_; }
+
+ private:
+  FactorBackend backend_;
+  std::shared_ptr<const FactorPlan> plan_;
+  std::unique_ptr<Factor> factor_;
+  std::vector<char> fixed_;
+  std::vector<Index> tail_of_node_;
+  const NodeMatrix* A_ = nullptr;
+  bool ok_ = false;
+  mutable MatX tail_;          ///< inverted when first asked for in a step
+  mutable bool has_tail_ = false;
+  MatX x_;
+  VecX in_, out_;
+  Pcg pcg_;
+  TissueSolveReport report_;
+};
+
+}  // namespace sutura

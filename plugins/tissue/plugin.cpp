@@ -1,0 +1,19 @@
+#include "attach.h"
+#include "layer.h"
+#include "sutura/plugin.h"
+#include "tet_mesh.h"
+#include "tissue.h"
+
+namespace {
+
+void enrol(sutura::Registry& registry) {
+  registry.component<sutura::TetMesh>("TetMesh");
+  registry.component<sutura::Tissue>("Tissue");
+  registry.component<sutura::Layer>("Layer");
+  registry.component<sutura::Attach>("Attach");
+  sutura::enrol_tissue_solvers(registry);
+}
+
+}  // namespace
+
+SUTURA_PLUGIN(tissue, "0.1.0", "Apache-2.0", enrol)

@@ -1,0 +1,211 @@
+#include "solid_queries.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "closest_point.h"
+
+namespace sutura {
+namespace {
+
+template <class Items>
+std::vector<Vec3> centres(const std::vector<Vec3>& x, const Items& items) {
+  std::vector<Vec3> out;
+  out.reserve(items.size());
+  for (const auto& item : items) {
+    Vec3 sum = Vec3::Zero();
+    for (const Index i : item) sum += x[i];
+    out.push_back(sum / static_cast<Real>(item.size()));
+  }
+  return out;
+}
+std::vector<Triangle> triangles(const std::vector<BoundaryFace>& boundary) {
+  std::vector<Triangle> out;
+  for (const BoundaryFace& f : boundary) out.push_back(f.nodes);
+  return out;
+}
+Vec3 unit(const Vec3& v) {
+  const Real length = v.norm();
+  return length > 0 ? Vec3(v / length) : Vec3::Zero();
+}
+Real angle_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
+  const Vec3 u = a - corner, v = b - corner;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+/// Six times the volume of (a, b, p_i, p_j), the same number up to its sign whichever way round the
+/// edge is given: neighbouring triangles agree on which side of their edge a segment passes.
+Real side_of_edge(const Vec3& a, const Vec3& b, const Vec3& p, Index i, const Vec3& q, Index j) {
+  return i < j ? six_volume(a, b, p, q) : -six_volume(a, b, q, p);
+}
+
+}  // namespace
+
+SolidTopology::SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tets,
+                             std::vector<BoundaryFace> boundary)
+    : tets_(std::move(tets)),
+      boundary_(std::move(boundary)),
+      tet_tree_(centres(rest, tets_)),
+      triangle_tree_(centres(rest, triangles(boundary_))) {
+  std::map<std::array<Index, 2>, Index> number;
+  for (const BoundaryFace& f : boundary_) {
+    std::array<Index, 3> edges{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index i = f.nodes[k], j = f.nodes[(k + 1) % 3];
+      edges[k] = number.try_emplace({std::min(i, j), std::max(i, j)}, static_cast<Index>(number.size())).first->second;
+    }
+    edge_of_.push_back(edges);
+  }
+  edges_ = static_cast<Index>(number.size());
+}
+
+std::array<Vec3, 3> SolidQueries::corners(Index triangle) const {
+  const Triangle& t = topology_->boundary_[triangle].nodes;
+  return {point(t[0]), point(t[1]), point(t[2])};
+}
+
+Vec3 SolidQueries::position(const EmbeddedPoint& p) const {
+  const Tet& t = topology_->tets_[p.element];
+  Vec3 x = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k) x += p.weights[k] * point(t[k]);
+  return x;
+}
+
+Vec3 SolidQueries::surface_normal(Index triangle) const {
+  const std::array<Vec3, 3> t = corners(triangle);
+  return unit((t[1] - t[0]).cross(t[2] - t[0]));
+}
+
+void SolidQueries::fit_tets() const {
+  if (tets_fitted_) return;
+  topology_->tet_tree_.refit(tet_boxes_, [&](Index e) {
+    Box box;
+    for (const Index i : topology_->tets_[e]) box.add(point(i));
+    return box;
+  });
+  tets_fitted_ = true;
+}
+
+void SolidQueries::fit_triangles() const {
+  if (triangles_fitted_) return;
+  topology_->triangle_tree_.refit(triangle_boxes_, [&](Index f) {
+    Box box;
+    for (const Vec3& p : corners(f)) box.add(p);
+    return box;
+  });
+  vertex_normal_.assign(static_cast<std::size_t>(x_->size() / 3), Vec3::Zero());
+  edge_normal_.assign(static_cast<std::size_t>(topology_->edges_), Vec3::Zero());
+  for (Index f = 0; f < static_cast<Index>(topology_->boundary_.size()); ++f) {
+    const std::array<Vec3, 3> t = corners(f);
+    const Vec3 normal = unit((t[1] - t[0]).cross(t[2] - t[0]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      vertex_normal_[topology_->boundary_[f].nodes[k]] += angle_at(t[k], t[(k + 1) % 3], t[(k + 2) % 3]) * normal;
+      edge_normal_[topology_->edge_of_[f][k]] += normal;
+    }
+  }
+  triangles_fitted_ = true;
+}
+
+SurfacePoint SolidQueries::on_triangle(Index triangle, const Vec3& weights) const {
+  const BoundaryFace& f = topology_->boundary_[triangle];
+  const Tet& tet = topology_->tets_[f.tet];
+  SurfacePoint s;
+  s.triangle = triangle;
+  s.at.element = f.tet;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto place = std::find(tet.begin(), tet.end(), f.nodes[k]) - tet.begin();
+    s.at.weights[static_cast<std::size_t>(place)] = weights[static_cast<Index>(k)];
+    s.position += weights[static_cast<Index>(k)] * point(f.nodes[k]);
+  }
+  s.normal = surface_normal(triangle);
+  return s;
+}
+
+std::optional<EmbeddedPoint> SolidQueries::locate(const Vec3& p) const {
+  fit_tets();
+  // Of all tets that hold the point (or miss it by rounding), the one that holds it deepest.
+  constexpr Real rounding = 1e-10;
+  Real deepest = -rounding;
+  std::optional<EmbeddedPoint> best;
+  const Real size = tet_boxes_.empty() ? 0 : (tet_boxes_[0].high - tet_boxes_[0].low).norm();
+  const Real margin = rounding * size;
+  topology_->tet_tree_.visit(
+      tet_boxes_, [&](const Box& box) { return box.squared_distance(p) <= margin * margin; },
+      [&](Index e) {
+        const Tet& t = topology_->tets_[e];
+        const Vec3 a = point(t[0]), b = point(t[1]), c = point(t[2]), d = point(t[3]);
+        const Real whole = six_volume(a, b, c, d);
+        if (!(whole > 0)) return;  // flat or inverted: holds nothing
+        std::array<Real, 4> w{0, six_volume(a, p, c, d) / whole, six_volume(a, b, p, d) / whole,
+                              six_volume(a, b, c, p) / whole};
+        w[0] = 1 - w[1] - w[2] - w[3];
+        const Real depth = *std::min_element(w.begin(), w.end());
+        if (depth > deepest || (best && depth == deepest && e < best->element)) {
+          deepest = depth;
+          best = EmbeddedPoint{e, w};
+        }
+      });
+  return best;
+}
+
+std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real reach) const {
+  fit_triangles();
+  Real least = reach * reach;
+  Index triangle = -1;
+  ClosestPoint closest;
+  topology_->triangle_tree_.visit(
+      triangle_boxes_, [&](const Box& box) { return box.squared_distance(p) <= least; },
+      [&](Index f) {
+        const std::array<Vec3, 3> t = corners(f);
+        const ClosestPoint c = closest_point(p, t);
+        const Vec3 q = c.weights[0] * t[0] + c.weights[1] * t[1] + c.weights[2] * t[2];
+        const Real distance = (p - q).squaredNorm();
+        if (distance > least || (distance == least && triangle >= 0 && f > triangle)) return;
+        least = distance;
+        triangle = f;
+        closest = c;
+      });
+  if (triangle < 0) return {};
+  SurfacePoint s = on_triangle(triangle, closest.weights);
+  if (closest.corner >= 0)
+    s.normal = unit(vertex_normal_[topology_->boundary_[triangle].nodes[closest.corner]]);
+  else if (closest.edge >= 0)
+    s.normal = unit(edge_normal_[topology_->edge_of_[triangle][closest.edge]]);
+  const Vec3 r = p - s.position;
+  s.distance = std::copysign(r.norm(), r.dot(s.normal));
+  return s;
+}
+
+std::optional<SurfacePoint> SolidQueries::crossing(const Vec3& a, const Vec3& b) const {
+  fit_triangles();
+  Real first = 2;
+  Index triangle = -1;
+  Vec3 weights = Vec3::Zero();
+  const Real size = triangle_boxes_.empty() ? 0 : (triangle_boxes_[0].high - triangle_boxes_[0].low).norm();
+  const Real margin = 1e-12 * (size + (b - a).norm());
+  topology_->triangle_tree_.visit(
+      triangle_boxes_, [&](const Box& box) { return box.meets_segment(a, b, margin); },
+      [&](Index f) {
+        const Triangle& n = topology_->boundary_[f].nodes;
+        const std::array<Vec3, 3> t = corners(f);
+        const Vec3 w(side_of_edge(a, b, t[1], n[1], t[2], n[2]), side_of_edge(a, b, t[2], n[2], t[0], n[0]),
+                     side_of_edge(a, b, t[0], n[0], t[1], n[1]));
+        if (!((w.array() >= 0).all() || (w.array() <= 0).all())) return;
+        const Real sum = w.sum();
+        if (sum == 0) return;  // the segment lies in the plane
+        const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+        const Real before = normal.dot(a - t[0]), after = normal.dot(b - t[0]);
+        if ((before > 0 && after > 0) || (before < 0 && after < 0) || before == after) return;
+        const Real s = before / (before - after);
+        if (s > first || (s == first && f > triangle)) return;
+        first = s;
+        triangle = f;
+        weights = w / sum;
+      });
+  if (triangle < 0) return {};
+  SurfacePoint s = on_triangle(triangle, weights);
+  s.distance = (a - s.position).dot(s.normal);
+  return s;
+}
+
+}  // namespace sutura

@@ -1,0 +1,69 @@
+// Where is this point: in which tet, how far from the boundary, on which side; where does a segment
+// leave or enter. For one set of positions; the tissue keeps one of these per configuration.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "box_tree.h"
+#include "mesh_check.h"
+#include "mesh_data.h"
+#include "sutura/body.h"
+
+namespace sutura {
+
+/// What does not depend on the positions: trees and adjacency, made on the rest shape.
+class SolidTopology {
+ public:
+  SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tets, std::vector<BoundaryFace> boundary);
+
+  const std::vector<Tet>& tets() const { return tets_; }
+  const std::vector<BoundaryFace>& boundary() const { return boundary_; }
+
+ private:
+  friend class SolidQueries;
+  std::vector<Tet> tets_;
+  std::vector<BoundaryFace> boundary_;
+  std::vector<std::array<Index, 3>> edge_of_;  ///< per triangle: edges 01, 12, 20
+  Index edges_ = 0;
+  BoxTree tet_tree_, triangle_tree_;
+};
+
+/// Answers depend on the positions only, never on the order of search: among equals the lowest
+/// number wins. Boxes and normals are refitted at the first question after `move`. Not for several
+/// workers at once.
+class SolidQueries {
+ public:
+  explicit SolidQueries(std::shared_ptr<const SolidTopology> topology) : topology_(std::move(topology)) {}
+
+  /// `x`: 3 n numbers, kept by reference.
+  void move(const VecX& x) {
+    x_ = &x;
+    tets_fitted_ = triangles_fitted_ = false;
+  }
+
+  std::optional<EmbeddedPoint> locate(const Vec3& p) const;
+  /// The sign comes from the angle-weighted normal of the nearest vertex, edge or face, which is
+  /// right everywhere (Baerentzen and Aanaes, 2005); that normal is the one returned.
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach) const;
+  /// No gap between triangles: a segment through an edge or vertex hits one of its triangles.
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b) const;
+  Vec3 surface_normal(Index triangle) const;
+  Vec3 position(const EmbeddedPoint& p) const;
+
+ private:
+  Vec3 point(Index node) const { return x_->segment<3>(3 * node); }
+  std::array<Vec3, 3> corners(Index triangle) const;
+  SurfacePoint on_triangle(Index triangle, const Vec3& weights) const;
+  void fit_tets() const;
+  void fit_triangles() const;
+
+  std::shared_ptr<const SolidTopology> topology_;
+  const VecX* x_ = nullptr;
+  mutable bool tets_fitted_ = false, triangles_fitted_ = false;
+  mutable BoxTree::Boxes tet_boxes_, triangle_boxes_;
+  mutable std::vector<Vec3> vertex_normal_, edge_normal_;  ///< not normalised; vertices by node
+};
+
+}  // namespace sutura

@@ -1,0 +1,64 @@
+#include "tet_mesh.h"
+
+#include <set>
+
+#include "mesh_file.h"
+#include "sutura/units.h"
+
+namespace sutura {
+namespace {
+
+Real metres(TetMesh::Unit unit) {
+  return unit == TetMesh::Unit::mm ? 1e-3 : unit == TetMesh::Unit::cm ? 1e-2 : 1;
+}
+
+}  // namespace
+
+void TetMesh::describe(Describe<TetMesh>& d) {
+  d.summary(
+      "A tetrahedral mesh read from a file: Gmsh MSH 2.2 or 4.1, VTK legacy or uncompressed VTU, "
+      "ASCII or binary. Physical groups (Gmsh) or the cell array 'region' (VTK) become regions.");
+  d.attribute("file", &TetMesh::file, "The mesh file, relative to the scene.").required();
+  d.attribute("unit", &TetMesh::unit, {"unstated", "m", "cm", "mm"},
+              "The unit of length of the file; unstated means metres, with a warning if the mesh "
+              "is so large that millimetres were probably meant.");
+  d.output("nodes", "1", "Number of nodes.", [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.points.size()); });
+  d.output("tets", "1", "Number of tetrahedra.", [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.tets.size()); });
+}
+
+void TetMesh::initialise(Setup& setup) {
+  const std::filesystem::path path = setup.resolve(file.path);
+  MeshReading reading = read_mesh(path);
+  if (reading.problem) {
+    // A fault inside the file is shown at its line there; one of the file as a whole, in the scene.
+    const auto& [line, message] = *reading.problem;
+    if (line > 0) setup.diagnostics.error({path.string(), line}, this->path(), message, Category::file);
+    else setup.error(*this, "mesh file '" + path.string() + "': " + message, Category::file);
+    return;
+  }
+  data_ = std::move(reading.mesh);
+  for (Vec3& p : data_.points) p *= metres(unit);
+  checked_ = check_mesh(data_, unit == Unit::unstated);
+  for (const std::string& warning : checked_.report.warnings)
+    setup.warning(*this, "mesh file '" + file.path + "': " + warning, Category::file);
+  if (!checked_.error.empty()) {
+    setup.error(*this, "mesh file '" + file.path + "': " + checked_.error, Category::file);
+    return;
+  }
+  ok_ = true;
+}
+
+std::optional<int> TetMesh::region(const std::string& name_or_tag, std::string& error) const {
+  const std::set<int> present(data_.region.begin(), data_.region.end());
+  std::string list;
+  for (const int tag : present) {
+    const auto named = data_.region_names.find(tag);
+    const std::string name = named == data_.region_names.end() ? std::string() : named->second;
+    if (name_or_tag == std::to_string(tag) || (!name.empty() && name_or_tag == name)) return tag;
+    list += (list.empty() ? "" : ", ") + std::to_string(tag) + (name.empty() ? "" : " (" + name + ")");
+  }
+  error = "the mesh has no region '" + name_or_tag + "'; it has " + list;
+  return {};
+}
+
+}  // namespace sutura

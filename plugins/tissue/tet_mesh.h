@@ -1,0 +1,36 @@
+// <TetMesh file="pad.msh" unit="mm"/>: the rest shape of a tissue.
+#pragma once
+
+#include "mesh_check.h"
+#include "mesh_data.h"
+#include "sutura/component.h"
+#include "sutura/describe.h"
+
+namespace sutura {
+
+class TetMesh : public Component {
+ public:
+  static constexpr const char* interface_name = "TetMesh";
+  enum class Unit { unstated, m, cm, mm };
+
+  File file;
+  Unit unit = Unit::unstated;
+
+  static void describe(Describe<TetMesh>& d);
+  void initialise(Setup& setup) override;
+
+  /// False if initialise complained: there is no mesh to work with.
+  bool ok() const { return ok_; }
+  const MeshData& data() const { return data_; }
+  const MeshReport& report() const { return checked_.report; }
+  const std::vector<BoundaryFace>& boundary() const { return checked_.boundary; }
+  /// The tag of a region given by name or number; nothing, and what there is, if no tet has it.
+  std::optional<int> region(const std::string& name_or_tag, std::string& error) const;
+
+ private:
+  MeshData data_;
+  CheckedMesh checked_;
+  bool ok_ = false;
+};
+
+}  // namespace sutura

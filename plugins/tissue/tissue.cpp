@@ -1,0 +1,120 @@
+#include "tissue.h"
+
+#include "corotational_t4.h"
+
+namespace sutura {
+
+void Tissue::describe(Describe<Tissue>& d) {
+  d.summary(
+      "Soft tissue: corotational linear tetrahedra, lumped mass, implicit Euler with one "
+      "linearisation per step.");
+  d.attribute("young", &Tissue::young, "Pa", above(0), "Young modulus, where no Layer says otherwise.");
+  d.attribute("poisson", &Tissue::poisson, "1", strictly_between(-1, 0.5),
+              "Poisson ratio; linear tetrahedra grow too stiff from about 0.4 on.");
+  d.attribute("density", &Tissue::density, "kg/m^3", above(0), "Density.");
+  d.attribute("damping_mass", &Tissue::damping_mass, "1/s", at_least(0),
+              "Rayleigh damping in proportion to mass: a drag against the world.");
+  d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", at_least(0),
+              "Rayleigh damping in proportion to stiffness: viscosity.");
+  d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
+  d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.").optional();
+  d.output("reaction", "N", "Force with which all attachments together hold the tissue.",
+           [](const Tissue& t) -> Vec3 {
+             Vec3 sum = Vec3::Zero();
+             for (Index i = 0; i < t.dofs(); i += 3) sum += t.reaction_.segment<3>(i);
+             return sum;
+           });
+  d.output("lowest", "m", "Height z of the lowest node.", [](const Tissue& t) -> Real { return t.lowest().z(); });
+  d.output("max_displacement", "m", "Largest distance of a node from its rest position.",
+           [](const Tissue& t) -> Real { return t.max_displacement(); });
+  d.output("energy", "J", "Kinetic plus elastic energy.", [](const Tissue& t) -> Real { return t.energy(); });
+  d.output("momentum", "kg m/s", "Linear momentum.", [](const Tissue& t) -> Vec3 { return t.momentum(); });
+  d.output("inverted", "1", "Tetrahedra turned inside out.",
+           [](const Tissue& t) -> Real { return static_cast<Real>(t.inverted()); });
+}
+
+void Tissue::initialise(Setup&) {
+  if (!mesh->ok()) return;
+  const MeshData& data = mesh->data();
+  const Index n = static_cast<Index>(data.points.size());
+  rest_.resize(3 * n);
+  for (Index i = 0; i < n; ++i) rest_.segment<3>(3 * i) = data.points[i];
+  x_ = x_free_ = rest_;
+  v_ = v_free_ = elastic_force_ = reaction_ = VecX::Zero(3 * n);
+  fixed_.assign(data.points.size(), 0);
+
+  elastic_ = std::make_unique<CorotationalT4>(data.points, data.tets);
+  A_ = std::make_unique<NodeMatrix>(n, elastic_->pairs());
+  elastic_->bind(*A_->pattern());
+  update_materials();
+
+  const auto topology = std::make_shared<const SolidTopology>(data.points, data.tets, mesh->boundary());
+  queries_.assign(3, SolidQueries(topology));
+  queries_[0].move(rest_);
+  queries_[1].move(x_);
+  queries_[2].move(x_free_);
+
+  own_solver_ = solver ? nullptr : make_direct_solver();
+  solver_ = solver ? solver.get() : own_solver_.get();
+}
+
+bool Tissue::set_material(int region, const Material& material) {
+  if (!materials_.emplace(region, material).second) return false;
+  update_materials();
+  return true;
+}
+
+void Tissue::update_materials() {
+  const MeshData& data = mesh->data();
+  mass_.assign(data.points.size(), 0);
+  tet_material_.clear();
+  for (std::size_t e = 0; e < data.tets.size(); ++e) {
+    const auto layer = materials_.find(data.region[e]);
+    const Material material = layer != materials_.end() ? layer->second : Material{young, poisson, density};
+    tet_material_.push_back(material);
+    const Tet& t = data.tets[e];
+    const Real volume =
+        six_volume(data.points[t[0]], data.points[t[1]], data.points[t[2]], data.points[t[3]]) / 6;
+    for (const Index i : t) mass_[i] += material.density * volume / 4;
+  }
+  elastic_->set_materials(tet_material_);
+}
+
+void Tissue::fix(const std::vector<Index>& nodes) {
+  for (const Index i : nodes) fixed_[i] = 1;
+  any_fixed_ = any_fixed_ || !nodes.empty();
+}
+
+Vec3 Tissue::position(const EmbeddedPoint& p, Configuration c) const { return queries(c).position(p); }
+
+void Tissue::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
+  const Tet& t = mesh->data().tets[p.element];
+  out.width = 3;
+  out.nodes = 0;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (p.weights[k] != 0) ++out.nodes;  // a point of the surface has three nodes
+  out.coefficients.setZero(3, 3 * out.nodes);
+  int j = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (p.weights[k] == 0) continue;
+    out.node[static_cast<std::size_t>(j)] = t[k];
+    out.coefficients.block<3, 3>(0, 3 * j).diagonal().setConstant(p.weights[k]);
+    ++j;
+  }
+}
+
+std::optional<EmbeddedPoint> Tissue::locate(const Vec3& p, Configuration c) const {
+  return queries(c).locate(p);
+}
+std::optional<SurfacePoint> Tissue::closest_surface(const Vec3& p, Real reach, Configuration c) const {
+  return queries(c).closest_surface(p, reach);
+}
+std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Configuration c) const {
+  return queries(c).crossing(a, b);
+}
+Vec3 Tissue::surface_normal(Index triangle, Configuration c) const {
+  return queries(c).surface_normal(triangle);
+}
+int Tissue::region(const EmbeddedPoint& p) const { return mesh->data().region[p.element]; }
+
+}  // namespace sutura

@@ -1,0 +1,98 @@
+// <Tissue young="30 kPa" poisson="0.45"/>: a soft solid made of tetrahedra, implicit Euler.
+// Equations: docs/theory/tissue.md.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "block_matrix.h"
+#include "elastic_model.h"
+#include "solid_queries.h"
+#include "sutura/body.h"
+#include "sutura/component.h"
+#include "sutura/describe.h"
+#include "tet_mesh.h"
+#include "tissue_solver.h"
+
+namespace sutura {
+
+class Tissue : public Component, public SolidBody {
+ public:
+  static constexpr const char* interface_name = "Tissue";
+
+  Real young = 3e3;
+  Real poisson = 0.45;
+  Real density = 1000;
+  Real damping_mass = 0;
+  Real damping_stiffness = 0;
+  Link<TetMesh> mesh;
+  Link<TissueSolver> solver;
+
+  static void describe(Describe<Tissue>& d);
+  void initialise(Setup& setup) override;
+
+  // For the components that complete a tissue, from their initialise.
+  bool ok() const { return elastic_ != nullptr; }
+  /// False if the region already has a material of its own.
+  bool set_material(int region, const Material& material);
+  void fix(const std::vector<Index>& nodes);
+
+  /// Force (N) with which fixed nodes are held, over the last step: the momentum that their rows of
+  /// the unconstrained equations lack. Zero for free nodes.
+  Vec3 reaction(const std::vector<Index>& nodes) const;
+  Index inverted() const;  ///< tets of negative or zero volume
+  Real max_displacement() const;
+  Vec3 lowest() const;  ///< the node with the smallest z
+  const std::vector<Real>& node_mass() const { return mass_; }
+
+  // Body
+  Index dofs() const override { return x_.size(); }
+  int width() const override { return 3; }
+  void free_motion(const StepContext& context) override;
+  Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
+  void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
+  void solve(Eigen::Ref<MatX> columns) const override;
+  void correct(const StepContext& context, const VecX& force) override;
+  Vec3 momentum() const override;
+  Real mass() const override;
+  Real energy() const override;
+  bool finite() const override;
+  BodyGeometry geometry() const override;
+
+  // SolidBody
+  std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const override;
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach, Configuration c) const override;
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b, Configuration c) const override;
+  Vec3 surface_normal(Index triangle, Configuration c) const override;
+  int region(const EmbeddedPoint& p) const override;
+
+ private:
+  const SolidQueries& queries(Configuration c) const { return queries_[static_cast<std::size_t>(c)]; }
+  void update_materials();
+  void start();
+  void update_node_rotations();
+
+  // Input, after the layers have spoken.
+  std::map<int, Material> materials_;
+  std::vector<Material> tet_material_;
+  std::vector<Real> mass_;   ///< lumped, per node (kg)
+  std::vector<char> fixed_;  ///< per node
+  bool any_fixed_ = false, started_ = false;
+
+  // State.
+  VecX x_, v_;
+
+  // Caches.
+  VecX rest_, x_free_, v_free_;
+  VecX elastic_force_;  ///< at the start of the step (N)
+  VecX rhs_, product_, reaction_;
+  std::unique_ptr<ElasticModel> elastic_;
+  std::unique_ptr<NodeMatrix> A_;
+  std::unique_ptr<TissueSolver> own_solver_;
+  TissueSolver* solver_ = nullptr;
+  std::vector<Mat3> node_rotations_;
+  std::vector<SolidQueries> queries_;  ///< rest, current, free
+};
+
+}  // namespace sutura

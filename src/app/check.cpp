@@ -1,0 +1,48 @@
+#include <cstdio>
+
+#include "app/commands.h"
+#include "sutura/simulation.h"
+
+namespace sutura::app {
+
+int report(const Diagnostics& diagnostics) {
+  for (const Diagnostic& d : diagnostics.all()) std::fprintf(stderr, "%s\n", d.text().c_str());
+  return diagnostics.exit_code();
+}
+
+void complain(const std::string& message) {
+  std::fprintf(stderr, "sutura: %s\n", message.c_str());
+}
+
+bool load_options(const SceneArguments& arguments, LoadOptions& options) {
+  options.plugin_directories = arguments.plugin_directories;
+  for (const std::string& setting : arguments.settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      complain("--set " + setting + ": expected PATH.ATTRIBUTE=VALUE");
+      return false;
+    }
+    options.overrides.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  return true;
+}
+
+int check(const SceneArguments& arguments) {
+  LoadOptions options;
+  if (!load_options(arguments, options)) return usage;
+  Registry registry;
+  enrol_builtin(registry);
+  Diagnostics diagnostics;
+  std::unique_ptr<Scene> scene = load_scene(arguments.scene, registry, diagnostics, options);
+  if (!scene) return report(diagnostics);
+  const std::size_t components = scene->components().size();
+  // Files are read by the components themselves when they are initialised.
+  const auto simulation = Simulation::compile(std::move(scene), {}, diagnostics);
+  if (!simulation) return report(diagnostics);
+  report(diagnostics);  // warnings
+  std::printf("%s: ok, %zu components, %zu bodies\n", arguments.scene.c_str(), components,
+              simulation->bodies().size());
+  return ok;
+}
+
+}  // namespace sutura::app

@@ -1,0 +1,66 @@
+#include "app/summary.h"
+
+#include <cstdarg>
+#include <cstdio>
+
+namespace sutura::app {
+
+namespace {
+
+__attribute__((format(printf, 2, 3))) void append(std::string& out, const char* format, ...) {
+  char line[200];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(line, sizeof line, format, arguments);
+  va_end(arguments);
+  out += line;
+}
+
+}  // namespace
+
+void Summary::add(const StepReport& report) {
+  ++steps_;
+  time_ = report.time;
+  for (std::size_t i = 0; i < seconds_.size(); ++i) seconds_[i] += report.seconds[i];
+  if (!report.solve.converged) ++not_converged_;
+  events_ += report.solve.events;
+  blocks_.add(static_cast<double>(report.blocks), report.step);
+  rows_.add(static_cast<double>(report.rows), report.step);
+  sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
+  residual_.add(report.solve.residual, report.step);
+  violation_.add(report.solve.violation, report.step);
+}
+
+std::string Summary::text(double wall_seconds) const {
+  std::string out;
+  append(out, "%ld steps, %.4g s simulated in %.4g s", static_cast<long>(steps_), time_,
+         wall_seconds);
+  if (time_ > 0) append(out, " (%.3g times real time)", wall_seconds / time_);
+  out += '\n';
+  if (steps_ == 0) return out;
+
+  double total = 0;
+  for (const double s : seconds_) total += s;
+  const double n = static_cast<double>(steps_);
+  append(out, "\n  %-12s %10s %8s\n", "stage", "ms/step", "share");
+  for (std::size_t i = 0; i < seconds_.size(); ++i)
+    append(out, "  %-12s %10.4f %7.1f%%\n", std::string(stage_names[i]).c_str(),
+           1e3 * seconds_[i] / n, total > 0 ? 100 * seconds_[i] / total : 0.0);
+  append(out, "  %-12s %10.4f\n", "total", 1e3 * total / n);
+
+  append(out, "\n  %-15s %12s %12s %10s\n", "constraints", "last", "largest", "at step");
+  const auto row = [&out](const char* name, const Track& t) {
+    append(out, "  %-15s %12.4g %12.4g %10ld\n", name, t.last, t.worst,
+           static_cast<long>(t.worst_step));
+  };
+  row("blocks", blocks_);
+  row("rows", rows_);
+  row("sweeps", sweeps_);
+  row("residual", residual_);
+  row("violation [m]", violation_);
+  append(out, "  not converged in %ld of %ld steps; %ld irreversible events\n",
+         static_cast<long>(not_converged_), static_cast<long>(steps_), static_cast<long>(events_));
+  return out;
+}
+
+}  // namespace sutura::app

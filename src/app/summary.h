@@ -1,0 +1,41 @@
+// What a run was like, gathered step by step.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "sutura/simulation.h"
+
+namespace sutura::app {
+
+class Summary {
+ public:
+  void add(const StepReport& report);
+
+  /// A table of stages, the size of the constraint problem, and how well it was solved.
+  std::string text(double wall_seconds) const;
+  Index steps() const { return steps_; }
+
+ private:
+  /// The last value, and the largest with its step.
+  struct Track {
+    double last = 0;
+    double worst = 0;
+    Index worst_step = 0;
+    void add(double value, Index step) {
+      last = value;
+      if (worst_step > 0 && !(value > worst)) return;
+      worst = value;
+      worst_step = step;
+    }
+  };
+
+  Index steps_ = 0;
+  Real time_ = 0;
+  Index not_converged_ = 0;
+  Index events_ = 0;
+  std::array<double, stage_names.size()> seconds_{};
+  Track blocks_, rows_, sweeps_, residual_, violation_;
+};
+
+}  // namespace sutura::app

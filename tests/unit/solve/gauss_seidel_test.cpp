@@ -1,0 +1,171 @@
+// The solver on problems of the kind a stitch makes, and what it promises: order and sweeps do not matter, events wait.
+#include <gtest/gtest.h>
+
+#include "../plugins/suturing/puncture_law.h"
+#include "solve/gauss_seidel.h"
+#include "solve_problems.h"
+#include "sutura/laws/unilateral.h"
+
+using namespace sutura;
+using namespace sutura::test;
+
+namespace {
+
+SolveReport solve(ConstraintProblem& p, GaussSeidelOptions options = {}) {
+  return BlockGaussSeidel(options).solve(p);
+}
+
+/// Largest amount by which any block misses its law, computed from W, d_free and lambda alone.
+Real worst_stitch_error(const ConstraintProblem& p) {
+  const VecX delta = p.W * p.lambda + p.d_free;
+  Real worst = 0;
+  for (const ConstraintBlock& b : p.blocks) {
+    if (b.law->dim == 2) {
+      worst = std::max(worst, delta.segment<2>(b.first_row).norm());
+      continue;
+    }
+    const auto& f = *static_cast<const PathFrictionLaw::Params*>(p.block_params(b));
+    const Real R = b.mode == PathFrictionLaw::stick ? f.static_level : f.kinetic;
+    const Real lambda = p.lambda[b.first_row], slip = delta[b.first_row];
+    // Either at rest with at most R, or at -sign(slip) (R + c |slip|): distance of the graph, as a length.
+    const Real at_rest = std::abs(lambda) <= R ? std::abs(slip) : 1e9;
+    const Real sliding = std::abs(lambda + std::copysign(R + f.viscous * std::abs(slip), slip)) *
+                         p.W(b.first_row, b.first_row);
+    worst = std::max(worst, std::min(at_rest, sliding));
+  }
+  return worst;
+}
+
+TEST(GaussSeidel, SolvesStitchesInAHandfulOfSweeps) {
+  // Sticking, part sliding, all sliding; dry and viscous. Plain sweeps have a violation above 20 mm after 300.
+  for (const int samples : {20, 50, 100, 150})
+    for (const Real pull : {0.05, 0.3, 0.6, 1.2, 3.0})
+      for (const Real viscous : {0.0, 0.5}) {
+        ConstraintProblem p = stitch({.samples = samples, .pull = pull, .viscous = viscous});
+        const SolveReport report = solve(p, {.tolerance = 1e-6});
+        EXPECT_TRUE(report.converged) << samples << " " << pull << " " << viscous;
+        EXPECT_LE(report.sweeps, 20);
+        EXPECT_LE(report.direct_solves, 40);
+        // Tolerance 1e-6 of 0.1 mm.
+        EXPECT_LE(worst_stitch_error(p), 1.01e-10);
+        if (viscous == 0 && pull > 1.5) {
+          // Everything slides: the drag is the sum of kinetic levels.
+          Real drag = 0, levels = 0;
+          for (const ConstraintBlock& b : p.blocks)
+            if (b.law->dim == 1) {
+              drag -= p.lambda[b.first_row];
+              levels += static_cast<const PathFrictionLaw::Params*>(p.block_params(b))->kinetic;
+            }
+          EXPECT_NEAR(drag, levels, 1e-9 * levels);
+        }
+      }
+}
+
+TEST(GaussSeidel, SolutionDoesNotDependOnOrderOrBudget) {
+  ConstraintProblem first = stitch({.samples = 50, .pull = 0.3});
+  solve(first, {.tolerance = 1e-7});
+  for (const std::uint64_t seed : {2, 3, 4})
+    for (const Index sweeps : {20, 200, 2000}) {
+      ConstraintProblem p = stitch({.samples = 50, .pull = 0.3});
+      const SolveReport report = solve(p, {.tolerance = 1e-7, .sweeps = sweeps, .seed = seed});
+      EXPECT_TRUE(report.converged);
+      for (std::size_t i = 0; i < p.blocks.size(); ++i) EXPECT_EQ(p.blocks[i].mode, first.blocks[i].mode);
+      // 1e-11 m against an effective compliance of about 1e-3 m/N: 1e-8 N, with room for the sum over samples.
+      EXPECT_LT((p.lambda - first.lambda).lpNorm<Eigen::Infinity>(), 1e-7);
+    }
+}
+
+TEST(GaussSeidel, WarmStartOfASolvedProblemCostsNoSweep) {
+  ConstraintProblem p = stitch({.samples = 50, .pull = 0.3});
+  solve(p);
+  const VecX lambda = p.lambda;
+  const SolveReport again = solve(p);
+  EXPECT_EQ(again.sweeps, 0);
+  EXPECT_EQ(again.direct_solves, 0);
+  EXPECT_EQ(p.lambda, lambda);
+}
+
+TEST(GaussSeidel, SameProblemAndSeedGiveTheSameBits) {
+  ConstraintProblem a = stitch({.samples = 80, .pull = 0.6}), b = stitch({.samples = 80, .pull = 0.6});
+  BlockGaussSeidel used;  // has solved something else before
+  ConstraintProblem other = stitch({.samples = 30});
+  used.solve(other);
+  used.solve(a);
+  solve(b);
+  EXPECT_EQ(a.lambda, b.lambda);
+}
+
+TEST(GaussSeidel, ConvergesWithoutTheDirectStepWhereSweepsCan) {
+  // Diagonally dominant: every acceleration ends at the same point.
+  std::mt19937_64 random(7);
+  std::normal_distribution<Real> normal;
+  const int n = 40;
+  MatX B(n, n);
+  for (Real& x : B.reshaped()) x = normal(random);
+  const MatX W = 0.01 * (MatX(B * B.transpose()) / n + 2 * MatX::Identity(n, n));
+  VecX d(n);
+  for (Real& x : d) x = 1e-3 * normal(random);
+  std::vector<VecX> lambda;
+  for (const Acceleration a : {Acceleration::none, Acceleration::nncg, Acceleration::subspace}) {
+    ConstraintProblem p;
+    for (int i = 0; i < n; ++i) append<Unilateral>(p, {});
+    finish(p, W, d);
+    EXPECT_TRUE(solve(p, {.tolerance = 1e-8, .acceleration = a}).converged);
+    lambda.push_back(p.lambda);
+    EXPECT_GE(p.lambda.minCoeff(), 0);
+    EXPECT_LT((p.lambda.array() * p.delta.array()).abs().maxCoeff(), 1e-11);
+  }
+  // 1e-8 * 1e-4 m over the smallest eigenvalue 0.02 m/N.
+  EXPECT_LT((lambda[0] - lambda[1]).norm(), 1e-9);
+  EXPECT_LT((lambda[0] - lambda[2]).norm(), 1e-9);
+}
+
+TEST(GaussSeidel, PunctureWaitsForTheConvergedForce) {
+  // A tip held by a spring row whose share of the load is found only after many sweeps: two rows along z, strongly
+  // coupled. Alone the surface would see 2 N; the hold takes half of it. Threshold 1.5 N: no puncture.
+  // At 0.9 N: puncture.
+  const Real c = 1e-4;
+  for (const Real fp : {1.5, 0.9}) {
+    ConstraintProblem p;
+    append<PunctureLaw>(p, {.puncture_force = fp});
+    append<Bilateral<1>>(p, {.compliance = c});
+    MatX W = 1e-3 * MatX::Identity(4, 4);
+    W(3, 3) = 1e-3;
+    W(2, 3) = W(3, 2) = 1e-3 - 1e-9;
+    VecX d(4);
+    d << 0, 0, -2e-3, -1.95e-3;
+    finish(p, W, d);
+    // Exact: (W + diag(0, c)) (a, b) = (2e-3, 1.95e-3), solved here independently.
+    Eigen::Matrix2d M;
+    M << W(2, 2), W(2, 3), W(3, 2), W(3, 3) + c;
+    const Vec2 exact = M.fullPivLu().solve(Vec2(2e-3, 1.95e-3));
+    ASSERT_GT(exact[0], 0.9);
+    const bool pierces = exact[0] > fp;
+    for (const Acceleration a : {Acceleration::none, Acceleration::subspace}) {
+      ConstraintProblem q = p;
+      const SolveReport report = solve(q, {.tolerance = 1e-6, .acceleration = a});
+      EXPECT_TRUE(report.converged);
+      EXPECT_EQ(report.events, pierces ? 1 : 0);
+      EXPECT_EQ(q.blocks[0].mode, pierces ? PunctureLaw::penetrated : PunctureLaw::pressing);
+      if (!pierces) {
+        EXPECT_NEAR(q.lambda[2], exact[0], 1e-3);
+      } else {
+        EXPECT_NEAR(q.lambda[2], 0, 1e-12);  // fc = 0
+      }
+    }
+  }
+}
+
+TEST(GaussSeidel, ANonFiniteProblemIsReportedNotSpread) {
+  ConstraintProblem p = stitch({.samples = 5});
+  p.d_free[4] = std::numeric_limits<Real>::quiet_NaN();
+  const SolveReport report = solve(p);
+  EXPECT_FALSE(report.converged);
+  EXPECT_TRUE(p.lambda.allFinite());
+  // A warm start that is not finite does not poison a sound problem.
+  ConstraintProblem q = stitch({.samples = 5});
+  q.lambda[3] = std::numeric_limits<Real>::infinity();
+  EXPECT_TRUE(solve(q).converged);
+}
+
+}  // namespace

@@ -1,0 +1,101 @@
+#include "block_tridiagonal.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+
+namespace sutura::thread {
+namespace {
+
+/// A random positive definite chain, and the same matrix dense.
+struct Chain {
+  BlockTridiagonal matrix;
+  MatX dense;
+  explicit Chain(Index blocks, unsigned seed = 3) {
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<Real> uniform(-1, 1);
+    const auto random = [&] { return uniform(engine); };
+    matrix.resize(blocks);
+    matrix.set_zero();
+    dense.setZero(6 * blocks, 6 * blocks);
+    for (Index i = 0; i + 1 < blocks; ++i) {
+      const Eigen::Matrix<Real, 12, 12> r = Eigen::Matrix<Real, 12, 12>::NullaryExpr(random);
+      const Eigen::Matrix<Real, 12, 12> k = r.transpose() * r;
+      matrix.diagonal(i) += k.topLeftCorner<6, 6>();
+      matrix.upper(i) += k.topRightCorner<6, 6>();
+      matrix.diagonal(i + 1) += k.bottomRightCorner<6, 6>();
+      dense.block<12, 12>(6 * i, 6 * i) += k;
+    }
+    for (Index i = 0; i < blocks; ++i) matrix.diagonal(i) += Mat6::Identity();
+    dense += MatX::Identity(6 * blocks, 6 * blocks);
+  }
+};
+
+// Condition numbers here are below 1e3: 1e-12 is a thousand roundings.
+constexpr Real tolerance = 1e-12;
+
+TEST(BlockTridiagonal, SolvesAsADenseFactorisation) {
+  for (const Index n : {1, 2, 3, 20}) {
+    Chain c(n);
+    ASSERT_TRUE(c.matrix.factor());
+    const VecX b = VecX::LinSpaced(6 * n, -1, 2);
+    VecX x = b;
+    c.matrix.solve(Eigen::Ref<VecX>(x));
+    const VecX expected = c.dense.llt().solve(b);
+    EXPECT_LT((x - expected).norm(), tolerance * expected.norm());
+    VecX back;
+    c.matrix.multiply(x, back);
+    EXPECT_LT((back - b).norm(), tolerance * b.norm());
+  }
+}
+
+TEST(BlockTridiagonal, ManyColumnsEqualSingleOnes) {
+  Chain c(15);
+  ASSERT_TRUE(c.matrix.factor());
+  const MatX b = MatX::Random(90, 19);
+  MatX x = b;
+  c.matrix.solve(Eigen::Ref<MatX>(x));
+  for (Index j = 0; j < b.cols(); ++j) {
+    VecX one = b.col(j);
+    c.matrix.solve(Eigen::Ref<VecX>(one));
+    EXPECT_LT((x.col(j) - one).norm(), tolerance * one.norm());
+  }
+}
+
+TEST(BlockTridiagonal, InverseBlocksAreThoseOfTheInverse) {
+  Chain c(12);
+  ASSERT_TRUE(c.matrix.factor());
+  const MatX inverse = c.dense.inverse();
+  for (const std::vector<Index>& nodes :
+       {std::vector<Index>{0, 3, 4, 9}, {11}, {0, 11}, {2, 3, 4, 5, 10, 11}, {}}) {
+    std::vector<Mat6> blocks;
+    c.matrix.inverse_blocks(nodes, blocks);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (std::size_t j = i; j < nodes.size(); ++j)
+        EXPECT_LT((blocks[i * nodes.size() + j] - inverse.block<6, 6>(6 * nodes[i], 6 * nodes[j])).norm(),
+                  tolerance * inverse.norm());
+  }
+}
+
+TEST(BlockTridiagonal, RefusesAnIndefiniteMatrix) {
+  Chain c(8);
+  c.matrix.diagonal(5) -= 50 * Mat6::Identity();
+  EXPECT_FALSE(c.matrix.factor());
+  Chain d(8);
+  d.matrix.diagonal(2)(1, 1) = std::nan("");
+  EXPECT_FALSE(d.matrix.factor());
+}
+
+TEST(BlockTridiagonal, FixedDofsAnswerZero) {
+  Chain c(6);
+  for (int d = 0; d < 6; ++d) c.matrix.fix(2, d);
+  ASSERT_TRUE(c.matrix.factor());
+  VecX x = VecX::Ones(36);
+  x.segment<6>(12).setZero();
+  c.matrix.solve(Eigen::Ref<VecX>(x));
+  EXPECT_EQ(x.segment<6>(12).norm(), 0);
+}
+
+}  // namespace
+}  // namespace sutura::thread
