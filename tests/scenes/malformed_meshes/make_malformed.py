@@ -94,13 +94,14 @@ def msh2_binary(order="<", nodes=4, block=1, corner=4, x=1.0, mark=1, tags=2, cu
 
 case("msh_binary_mark.msh", msh2_binary(mark=2), 3, "endianness mark")
 case("msh_binary_mixed_endian.msh", msh2_binary(order=">").replace(struct.pack(">i", 1) + b"\n$End", struct.pack("<i", 1) + b"\n$End", 1),
-     6, "byte")
-case("msh_binary_huge_nodes.msh", msh2_binary(nodes=2000000000), 5, "bytes of the file are left")
-case("msh_binary_nan.msh", msh2_binary(x=float("nan")), 6, "a coordinate is not a finite number")
-case("msh_binary_block.msh", msh2_binary(block=-1), 10, "a block of -1 elements")
-case("msh_binary_tags.msh", msh2_binary(tags=1 << 30), 10, "a number of tags is")
-case("msh_binary_unknown_node.msh", msh2_binary(corner=-4), 10, "uses node -4")
-case("msh_binary_truncated.msh", msh2_binary(cut=150), 6, "byte")
+     11, "a block of 16777216 elements")
+case("msh_binary_huge_nodes.msh", msh2_binary(nodes=2000000000), 6, "bytes of the file are left")
+case("msh_binary_nan.msh", msh2_binary(x=float("nan")), 7, "a coordinate is not a finite number")
+case("msh_binary_block.msh", msh2_binary(block=-1), 11, "a block of -1 elements")
+case("msh_binary_tags.msh", msh2_binary(tags=1 << 30), 11, "a number of tags is")
+case("msh_binary_unknown_node.msh", msh2_binary(corner=-4), 11, "uses node -4")
+case("msh_binary_truncated.msh", msh2_binary(cut=150), 6, "bytes of the file are left")
+case("msh_binary_truncated_late.msh", msh2_binary(cut=-20), 11, "the file ends where a node number was expected")
 
 # ---- Gmsh 4.1, text
 MSH4 = """$MeshFormat
@@ -141,8 +142,8 @@ msh4("msh4_huge_physicals.msh", "1 7 0\n", "99999999 7 0\n", 6, "bytes of the fi
 msh4("msh4_huge_blocks.msh", "1 4 1 4", "1000000 4 1 4", 9, "bytes of the file are left")
 msh4("msh4_block_too_long.msh", "3 1 0 4", "3 1 0 5", 10, "more than the 4 nodes announced")
 msh4("msh4_dimension.msh", "3 1 0 4", "7 1 0 4", 10, "expected 0 to 3")
-msh4("msh4_elements_missing.msh", "1 1 1 1\n3 1 4 1", "1 2 1 2\n3 1 4 1", 22, "hold 1 elements, expected 2")
-msh4("msh4_unknown_node.msh", "1 1 2 3 4\n", "1 1 2 3 40\n", 22, "uses node 40")
+msh4("msh4_elements_missing.msh", "1 1 1 1\n3 1 4 1", "1 2 1 2\n3 1 4 1", 23, "hold 1 elements, expected 2")
+msh4("msh4_unknown_node.msh", "1 1 2 3 4\n", "1 1 2 3 40\n", 23, "uses node 40")
 
 # ---- VTK legacy
 VTK = """# vtk DataFile Version 3.0
@@ -182,7 +183,7 @@ vtk("vtk_index_negative.vtk", "4 0 1 2 3", "4 0 1 2 -1", 10, "uses point -1, exp
 vtk("vtk_cell_too_long.vtk", "4 0 1 2 3", "40 0 1 2 3", 11, "more than the size of the cell list leaves")
 vtk("vtk_cell_negative.vtk", "4 0 1 2 3", "-4 0 1 2 3", 11, "cell 0 has -4 points")
 vtk("vtk_three_point_tet.vtk", "CELLS 1 5\n4 0 1 2 3", "CELLS 1 4\n3 0 1 2", 10, "a tetrahedron with 3 points")
-vtk("vtk_types_missing.vtk", "CELL_TYPES 1\n10\n", "", 14, "without CELL_TYPES")
+vtk("vtk_types_missing.vtk", "CELL_TYPES 1\n10\n", "", 16, "without CELL_TYPES")
 vtk("vtk_types_count.vtk", "CELL_TYPES 1", "CELL_TYPES 2", 12, "2 cell types for 1 cells")
 vtk("vtk_quadratic.vtk", "\n10\n", "\n24\n", 10, "second-order tetrahedron")
 vtk("vtk_region_count.vtk", "CELL_DATA 1", "CELL_DATA 3", 14, "3 values for 1 cells")
@@ -192,7 +193,7 @@ vtk("vtk_unknown_type.vtk", "region int 1", "region complex 1", 15, "data type '
 vtk("vtk_unknown_keyword.vtk", "SCALARS region int 1", "RAINBOW region int 1", 15, "found 'RAINBOW'")
 vtk("vtk_truncated.vtk", "CELL_TYPES 1\n10\nCELL_DATA 1\nSCALARS region int 1\nLOOKUP_TABLE default\n7\n", "CELL_TYPES 1\n", 13, "the file ends where a cell type was expected")
 case("vtk_little_endian.vtk", VTK[:VTK.index("0 0 0")].replace("ASCII", "BINARY").encode() + struct.pack("<12d", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
-     + b"\nCELLS 1 5\n" + struct.pack("<5i", 4, 0, 1, 2, 3) + b"\nCELL_TYPES 1\n" + struct.pack("<i", 10), 0, "")
+     + b"\nCELLS 1 5\n" + struct.pack("<5i", 4, 0, 1, 2, 3) + b"\nCELL_TYPES 1\n" + struct.pack("<i", 10), 8, "more than the size of the cell list leaves")
 
 
 # ---- VTU
@@ -229,7 +230,7 @@ def vtu(name, old, new, line, words):
     case(name, VTU.replace(old, new, 1), line, words)
 
 
-vtu("vtu_not_xml.vtu", "</Points>", "</Pints>", 12, "not well-formed XML")
+vtu("vtu_not_xml.vtu", "</Points>", "</Pints>", 5, "not well-formed XML")
 vtu("vtu_polydata.vtu", 'type="UnstructuredGrid"', 'type="PolyData"', 2, 'expected type="UnstructuredGrid"')
 vtu("vtu_root.vtu", VTU, "<mesh/>", 1, "expected the element <VTKFile>")
 vtu("vtu_compressed.vtu", 'byte_order="LittleEndian"', 'byte_order="LittleEndian" compressor="vtkZLibDataCompressor"', 2,

@@ -54,7 +54,7 @@ TEST(MeshFile, ReadsTheTwoBoxes) {
   MeshData& mesh = reading.mesh;
   const CheckedMesh checked = check_mesh(mesh, true);
   EXPECT_EQ(checked.error, "");
-  EXPECT_TRUE(checked.report.warnings.empty());
+  for (const std::string& warning : checked.report.warnings) ADD_FAILURE() << warning;
   EXPECT_EQ(mesh.region_names.at(7), "fat");
   EXPECT_EQ(mesh.region_names.at(12), "dermis");
   std::map<int, Real> volume;
