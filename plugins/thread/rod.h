@@ -54,6 +54,7 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   VecX& velocity() { return velocity_; }
   const VecX& velocity() const { return velocity_; }
+  const VecX& free_velocity() const { return free_velocity_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
