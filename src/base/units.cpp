@@ -102,11 +102,12 @@ std::optional<Unit> expected_unit(std::string_view text, std::string_view si_uni
     error = quoted(whole) + " is not a number; the decimal sign is a point";
     return std::nullopt;
   }
-  const std::optional<Unit> unit = parse_unit(text, why);
-  if (!unit && number_length(text) > 0 && text.front() != '1') {
+  const bool is_reciprocal = text.front() == '1' && trim(text.substr(1)).starts_with('/');
+  if (number_length(text) > 0 && !is_reciprocal) {
     error = quoted(whole) + " has more than one number";
     return std::nullopt;
   }
+  const std::optional<Unit> unit = parse_unit(text, why);
   if (!unit) {
     error = quoted(whole) + ": " + why;
     return std::nullopt;

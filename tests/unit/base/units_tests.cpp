@@ -120,6 +120,10 @@ TEST(Units, ListsSayWhatIsWrong) {
   EXPECT_EQ(error, "'1 mm 2 mm 3 mm': one unit, at the end, holds for the whole list");
   EXPECT_FALSE(parse_quantities("1 2 nan", "m", error));
   EXPECT_EQ(error, "'1 2 nan': 'nan' is not a unit");
+  EXPECT_EQ(refuse("30 1 kPa", "Pa"), "'30 1 kPa' has more than one number");
+  EXPECT_EQ(refuse("30 1", "1"), "'30 1' has more than one number");
+  EXPECT_EQ(read("30 1 / s", "1/s"), 30);
+  refuse("30 kPa 1", "Pa");
   EXPECT_EQ(refuse("30 40 kPa", "Pa"), "'30 40 kPa' has more than one number");
 }
 
