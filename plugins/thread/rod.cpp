@@ -1,7 +1,8 @@
-#include "rod.h"
-
 #include <cassert>
 #include <cmath>
+
+#include "element_mass.h"
+#include "rod.h"
 
 namespace sutura::thread {
 
@@ -43,8 +44,8 @@ void Rod::build(const RodLayout& layout) {
     masses_.emplace_back(elements_.back());
   }
   twist_.assign(n - 1, 0);
-  free_twist_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_}) v->setZero(dofs());
+  free_twist_ = tension_ = twist_;
+  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_}) v->setZero(dofs());
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());
@@ -56,31 +57,12 @@ void Rod::element_state(Index e, ElementState& s) const {
   evaluate(elements_[e], pose_[e], pose_[e + 1], twist_[e], s);
 }
 
-namespace {
-
-/// The twelve numbers M (v_a, w_a, v_b, w_b) of one element.
-struct MassTimes {
-  Vec3 xa, sa, xb, sb;
-  MassTimes(const ElementMass& m, const ElementState& s, const Vec3& va, const Vec3& wa,
-            const Vec3& vb, const Vec3& wb) {
-    const Vec3 ra = wa.cross(s.ta), rb = wb.cross(s.tb);  // velocity of the tangents
-    xa = m.same * va + m.other * vb + m.couple_same * ra + m.couple_other * rb;
-    xb = m.same * vb + m.other * va - m.couple_same * rb - m.couple_other * ra;
-    const Vec3 ta = m.couple_same * va - m.couple_other * vb + m.spin_same * ra + m.spin_other * rb;
-    const Vec3 tb = -m.couple_same * vb + m.couple_other * va + m.spin_same * rb + m.spin_other * ra;
-    const Vec3 la = m.roll_same * wa + m.roll_other * wb, lb = m.roll_same * wb + m.roll_other * wa;
-    sa = s.ta.cross(ta) + la + s.e.dot(la) * s.e;
-    sb = s.tb.cross(tb) + lb + s.e.dot(lb) * s.e;
-  }
-};
-
-}  // namespace
-
 // One pass over the beams: matrix and right-hand side at once. `poses` is where forces are evaluated,
 // `v` the velocity there. First pass: poses at the start of the step, forces extrapolated by h K v.
 // Later Newton passes: poses = start + h v, and the inertia of v minus the old velocity is due.
 void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                       std::vector<Real>& twist, const VecX& v, bool first) {
+  if (first) start_energy_ = 0;
   const Real mass_factor = 1 + dt * damping_mass;
   const Real stiffness_factor = dt * (dt + damping_stiffness);
   const Real rate_factor = first ? stiffness_factor : dt * damping_stiffness;
@@ -99,10 +81,12 @@ void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& pos
     evaluate(r, poses[e], poses[e + 1], twist[e], s);
     twist[e] = s.twist;
     const ElementGradient g = gradient(r, s);
+    if (!first) s.tension = tension_[e];
     step_stiffness(r, s, k);
 
     const Vec3 va = v.segment<3>(6 * e), wa = v.segment<3>(6 * e + 3);
     const Vec3 vb = v.segment<3>(6 * e + 6), wb = v.segment<3>(6 * e + 9);
+    if (first) start_energy_ += beam_energy(e, s, poses, v, gravity);
     const Vec3 dv = vb - va;
     const Vec3 fv = dt * g.v + rate_factor * (k.vv * dv + k.va * wa + k.vb * wb);
     Vec3 fa = dt * g.a + rate_factor * (k.va.transpose() * dv + k.aa * wa + k.ab * wb);
@@ -201,7 +185,15 @@ void Rod::assemble(Real dt, const Vec3& gravity) {
   assemble_at(dt, gravity, pose_, twist_, velocity_, true);
 }
 
-bool Rod::factor() { return matrix_.factor(); }
+// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about its own
+// axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings it back.
+bool Rod::factor() {
+  for (Real shift = 1e-13; !matrix_.factor(); shift *= 100) {
+    if (!(shift < 1e-6)) return false;
+    for (Index i = 0; i < nodes(); ++i) matrix_.diagonal(i).diagonal() *= 1 + shift;
+  }
+  return true;
+}
 
 void Rod::move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
                Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const {
@@ -224,26 +216,13 @@ void Rod::advance_free(Real dt, const Vec3& gravity) {
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
 }
 
-bool Rod::free_motion(Real dt, const Vec3& gravity) {
-  assemble(dt, gravity);
-  if (!factor()) return false;
-  advance_free(dt, gravity);
-  for (Index i = 1; i < newton_iterations; ++i) {
-    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-    if (!factor()) return false;
-    matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    free_velocity_ += rhs_;
-    move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-  }
-  return true;
-}
-
 void Rod::correct(Real dt, const VecX& force) {
   rhs_ = force;
   for (const Index node : clamped_) rhs_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(rhs_));
   velocity_ = free_velocity_ + dt * rhs_;
   move(pose_, twist_, velocity_, dt, pose_, twist_);
+  if (keep_ < 1) velocity_ *= keep_;
   for (NodeSpring& spring : springs_) {
     if (!spring.active) continue;
     const Pose& p = pose_[spring.node];
@@ -269,25 +248,13 @@ Real Rod::elastic_energy() const {
   return u;
 }
 
-namespace {
-struct ElementVelocity {
-  Vec3 va, wa, vb, wb;
-  ElementVelocity(const VecX& v, Index e)
-      : va(v.segment<3>(6 * e)),
-        wa(v.segment<3>(6 * e + 3)),
-        vb(v.segment<3>(6 * e + 6)),
-        wb(v.segment<3>(6 * e + 9)) {}
-};
-}  // namespace
 
 Real Rod::kinetic_energy() const {
   Real t = 0;
   ElementState s;
   for (Index e = 0; e < beams(); ++e) {
     element_state(e, s);
-    const ElementVelocity v(velocity_, e);
-    const MassTimes p(masses_[e], s, v.va, v.wa, v.vb, v.wb);
-    t += (p.xa.dot(v.va) + p.sa.dot(v.wa) + p.xb.dot(v.vb) + p.sb.dot(v.wb)) / 2;
+    t += kinetic(masses_[e], s, ElementVelocity(velocity_, e));
   }
   return t;
 }

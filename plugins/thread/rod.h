@@ -70,6 +70,9 @@ class Rod {
   bool factor();
   void advance_free(Real dt, const Vec3& gravity);
 
+  /// Linearisations the last free motion took.
+  Index passes() const { return passes_; }
+
   struct StaticReport {
     bool converged = false;
     int iterations = 0;
@@ -100,7 +103,20 @@ class Rod {
                      bool first);
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
-  Real limit_step(const VecX& step) const;
+  Real limit_step(const std::vector<Pose>& poses, const VecX& step) const;
+  Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
+                   const Vec3& gravity) const;
+  Real spring_energy(const std::vector<Pose>& poses) const;
+  struct Energy {
+    Real kinetic = 0, potential = 0;
+    Real total() const { return kinetic + potential; }
+  };
+  Energy free_energy(const Vec3& gravity);
+  Real incremental_potential(const Vec3& gravity);
+  void add_correction(Real dt, Real part);
+  bool descend(Real dt, const Vec3& gravity);
+  void predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
+                       const VecX& step, Real factor, bool first);
   void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
 
   std::vector<Real> abscissa_;
@@ -109,7 +125,11 @@ class Rod {
   std::vector<ElementMass> masses_;
   std::vector<Pose> rest_, pose_, free_;
   std::vector<Real> twist_, free_twist_;
-  VecX velocity_, free_velocity_, rhs_;
+  std::vector<Real> tension_;  ///< of the linearisation, N
+  VecX velocity_, free_velocity_, rhs_, scratch_;
+  Real start_energy_ = 0;
+  Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
+  Index passes_ = 0;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

@@ -73,10 +73,10 @@ void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
     for (int d = 0; d < 6; ++d) matrix.fix(node, d);
 }
 
-Real Rod::limit_step(const VecX& step) const {
+Real Rod::limit_step(const std::vector<Pose>& poses, const VecX& step) const {
   Real largest = 0;
   for (Index e = 0; e < beams(); ++e) {
-    const Vec3 span = pose_[e + 1].position - pose_[e].position;
+    const Vec3 span = poses[e + 1].position - poses[e].position;
     const Real l = span.norm();
     const Vec3 axis = span / l;
     const Vec3 chord = axis.cross(step.segment<3>(6 * e + 6) - step.segment<3>(6 * e)) / l;
@@ -132,7 +132,7 @@ Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real t
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
-    const Real factor = limit_step(step);
+    const Real factor = limit_step(pose_, step);
     for (Index e = 0; e < beams(); ++e) {
       element_state(e, s);
       const Real predicted =

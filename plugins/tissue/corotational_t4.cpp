@@ -146,9 +146,13 @@ void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& f
       for (int b = a; b < 4; ++b, ++s) {
         Lanes K[9];
         const Lanes shear = mu * (g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2]);
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j)
-            K[3 * i + j] = lambda * g[a][i] * g[b][j] + mu * g[b][i] * g[a][j];
+        if (a == b) {  // symmetric to the last bit
+          for (int i = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j) K[3 * i + j] = K[3 * j + i] = (lambda + mu) * g[a][i] * g[a][j];
+        } else {
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) K[3 * i + j] = lambda * g[a][i] * g[b][j] + mu * g[b][i] * g[a][j];
+        }
         for (int i = 0; i < 3; ++i) K[4 * i] += shear;
         for (int k = 0; k < lanes; ++k) {
           Real* block = values + 9 * static_cast<Index>(p.slot[s][k]);

@@ -40,8 +40,9 @@ int check(const SceneArguments& arguments) {
   const auto simulation = Simulation::compile(std::move(scene), {}, diagnostics);
   if (!simulation) return report(diagnostics);
   report(diagnostics);  // warnings
-  std::printf("%s: ok, %zu components, %zu bodies\n", arguments.scene.c_str(), components,
-              simulation->bodies().size());
+  const std::size_t bodies = simulation->bodies().size();
+  std::printf("%s: ok, %zu component%s, %zu bod%s\n", arguments.scene.c_str(), components,
+              components == 1 ? "" : "s", bodies, bodies == 1 ? "y" : "ies");
   return ok;
 }
 

@@ -1,0 +1,164 @@
+// The free motion of one time step: one linearisation when the motion is calm, more when it is not.
+#include <algorithm>
+#include <cmath>
+
+#include "element_mass.h"
+#include "rod.h"
+
+namespace sutura::thread {
+
+/// Elastic, kinetic and weight energy of one beam.
+Real Rod::beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
+                      const Vec3& gravity) const {
+  const ElementRest& r = elements_[e];
+  const ElementVelocity w(v, e);
+  const Vec3 middle = (poses[e].position + poses[e + 1].position) / 2 + r.length / 12 * (s.ta - s.tb);
+  return thread::elastic_energy(r, s) + kinetic(masses_[e], s, w) - r.mass * gravity.dot(middle);
+}
+
+Real Rod::spring_energy(const std::vector<Pose>& poses) const {
+  Real sum = 0;
+  for (const NodeSpring& spring : springs_) {
+    if (!spring.active) continue;
+    const Pose& p = poses[spring.node];
+    sum += (spring.stiffness.translation * (spring.target.position - p.position).squaredNorm() +
+            spring.stiffness.rotation *
+                rotation_between(p.rotation, spring.target.rotation).squaredNorm()) / 2;
+  }
+  return sum;
+}
+
+Rod::Energy Rod::free_energy(const Vec3& gravity) {
+  Energy sum;
+  sum.potential = spring_energy(free_);
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    evaluate(elements_[e], free_[e], free_[e + 1], free_twist_[e], s);
+    free_twist_[e] = s.twist;
+    const Real moving = kinetic(masses_[e], s, ElementVelocity(free_velocity_, e));
+    sum.kinetic += moving;
+    sum.potential += beam_energy(e, s, free_, free_velocity_, gravity) - moving;
+  }
+  return sum;
+}
+
+/// Tension at the end of the linear step `dv` from `poses`: the linear prediction, which is free of the
+/// second-order stretch of a finite rotation.
+void Rod::predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
+                          const VecX& step, Real factor, bool first) {
+  ElementState s;
+  Vec9 change;
+  for (Index e = 0; e < beams(); ++e) {
+    evaluate(elements_[e], poses[e], poses[e + 1], twist[e], s);
+    change << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e), step.segment<3>(6 * e + 3),
+        step.segment<3>(6 * e + 9);
+    const Real from = first ? s.tension : tension_[e];
+    const Real to = s.tension + elements_[e].axial * strain_gradient(elements_[e], s).dot(change);
+    tension_[e] = from + factor * (to - from);
+  }
+}
+
+/// Adds `part` of the Newton correction in rhs_ to the free motion.
+void Rod::add_correction(Real dt, Real part) {
+  predict_tension(free_, free_twist_, scratch_, part, false);
+  free_velocity_ += part * rhs_;
+  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+}
+
+// One linearisation is all a calm step needs. Implicit Euler loses energy; when the linearised step gained
+// some (the stretch faked by turning beams, times EA), or turned a beam by more than half a radian, Newton
+// goes on until the energy balance holds; if it does not get there, the guarded descent does.
+bool Rod::free_motion(Real dt, const Vec3& gravity) {
+  keep_ = 1;
+  passes_ = 1;
+  assemble(dt, gravity);
+  start_energy_ += spring_energy(pose_);
+  if (!factor()) return false;
+  advance_free(dt, gravity);
+  scratch_ = dt * free_velocity_;
+  Real part = limit_step(pose_, scratch_);
+  const Real slack =
+      1e-9 * (std::abs(start_energy_) + mass() * gravity.norm() * abscissa_.back());
+  const Index most_passes = newton_iterations + 8;
+  for (;; ++passes_) {
+    if (part == 1 && passes_ >= newton_iterations &&
+        free_energy(gravity).total() <= start_energy_ + slack)
+      return true;
+    if (passes_ >= most_passes) break;
+    if (passes_ == 1) {
+      predict_tension(pose_, twist_, scratch_, part, true);
+      if (part < 1) {
+        free_velocity_ *= part;
+        move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+      }
+    }
+    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+    if (!factor()) break;
+    matrix_.solve(Eigen::Ref<VecX>(rhs_));
+    scratch_ = dt * rhs_;
+    part = limit_step(free_, scratch_);
+    add_correction(dt, part);
+  }
+  return descend(dt, gravity);
+}
+
+/// The potential whose minimum is the step of implicit Euler: potential energy plus half the squared
+/// difference, in the norm of the mass, to the velocity that inertia alone would keep. Weight is in the
+/// potential energy.
+Real Rod::incremental_potential(const Vec3& gravity) {
+  Real sum = spring_energy(free_);
+  ElementState s;
+  scratch_ = free_velocity_ - velocity_;
+  for (Index e = 0; e < beams(); ++e) {
+    evaluate(elements_[e], free_[e], free_[e + 1], free_twist_[e], s);
+    sum += beam_energy(e, s, free_, scratch_, gravity);
+  }
+  return sum;
+}
+
+// Newton from where the step began, each correction shortened until the incremental potential falls. It may
+// stop short of the minimum, which only slows the motion; the velocity carried on is then cut to what the
+// energy balance leaves. So no start and no step size makes energy grow.
+bool Rod::descend(Real dt, const Vec3& gravity) {
+  free_velocity_.setZero();
+  free_ = pose_;
+  free_twist_ = twist_;
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    tension_[e] = s.tension;
+  }
+  Real value = incremental_potential(gravity);
+  VecX before_velocity = free_velocity_, correction = rhs_;
+  constexpr int most = 12;
+  for (int i = 0; i < most; ++i, ++passes_) {
+    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+    if (!factor()) return false;
+    matrix_.solve(Eigen::Ref<VecX>(rhs_));
+    correction = rhs_;
+    before_velocity = free_velocity_;
+    scratch_ = dt * correction;
+    Real part = limit_step(free_, scratch_);
+    predict_tension(free_, free_twist_, scratch_, part, false);
+    Real next = value;
+    for (int cut = 0; cut < 20; ++cut, part /= 2) {
+      free_velocity_ = before_velocity + part * correction;
+      move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+      next = incremental_potential(gravity);
+      if (next < value) break;
+    }
+    if (!(next < value)) {
+      free_velocity_ = before_velocity;
+      move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+      break;
+    }
+    if (value - next < 1e-6 * std::abs(value)) break;
+    value = next;
+  }
+  const Energy end = free_energy(gravity);
+  const Real left = start_energy_ - end.potential;
+  if (end.kinetic > left) keep_ = std::sqrt(std::max(left, 0.) / end.kinetic);
+  return true;
+}
+
+}  // namespace sutura::thread

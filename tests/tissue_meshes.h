@@ -1,0 +1,45 @@
+// Meshes made in test code: grids of cubes, each cut into six tets around the diagonal from its
+// lowest to its highest corner (Kuhn), as in the reference values.
+#pragma once
+
+#include <array>
+
+#include "mesh_data.h"
+
+namespace sutura::test {
+
+inline MeshData kuhn_block(std::array<int, 3> cells, const Vec3& size) {
+  MeshData mesh;
+  const auto number = [&](int i, int j, int k) {
+    return static_cast<Index>((k * (cells[1] + 1) + j) * (cells[0] + 1) + i);
+  };
+  for (int k = 0; k <= cells[2]; ++k)
+    for (int j = 0; j <= cells[1]; ++j)
+      for (int i = 0; i <= cells[0]; ++i)
+        mesh.points.push_back(Vec3(i * size[0] / cells[0], j * size[1] / cells[1], k * size[2] / cells[2]));
+  static constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  for (int k = 0; k < cells[2]; ++k)
+    for (int j = 0; j < cells[1]; ++j)
+      for (int i = 0; i < cells[0]; ++i)
+        for (const auto& order : orders) {
+          std::array<int, 3> at{i, j, k};
+          Tet tet{number(i, j, k), 0, 0, 0};
+          for (std::size_t c = 0; c < 3; ++c) {
+            ++at[static_cast<std::size_t>(order[c])];
+            tet[c + 1] = number(at[0], at[1], at[2]);
+          }
+          const auto& p = mesh.points;
+          if (six_volume(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) < 0) std::swap(tet[2], tet[3]);
+          mesh.tets.push_back(tet);
+        }
+  mesh.region.assign(mesh.tets.size(), 0);
+  return mesh;
+}
+
+inline VecX stacked(const std::vector<Vec3>& points) {
+  VecX x(3 * static_cast<Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) x.segment<3>(3 * static_cast<Index>(i)) = points[i];
+  return x;
+}
+
+}  // namespace sutura::test
