@@ -91,10 +91,15 @@ void Channel::enter(const EmbeddedPoint& mouth) {
 void Channel::leave(const EmbeddedPoint& mouth) {
   samples_.resize(passed_);
   const Vec3 at = tissue_.position(mouth, Configuration::current);
-  const PathSample& last = samples_.back();
+  const PathSample last = samples_.back();
   const Real s = thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)),
                                           Configuration::current);
-  push(mouth, last.depth + std::max(last.abscissa - s, Real(0)), s, PathSample::Kind::exit);
+  const Real depth = last.depth + std::max(last.abscissa - s, Real(0));
+  // Two samples a hair apart would hold the same section twice.
+  if (last.kind == PathSample::Kind::inner && depth - last.depth < 0.5 * spacing_) {
+    samples_.pop_back();
+  }
+  push(mouth, depth, s, PathSample::Kind::exit);
   end_ = mouth;
   end_depth_ = samples_.back().depth;
 }
