@@ -257,7 +257,7 @@ def main():
                     low_x, high_x, _, _, _, top = grid.GetBounds()
                     width = high_x - low_x
                     half_height = arguments.half_height or 0.45 * width
-                    view = ((0.5 * (low_x + high_x), 0, top + 0.15 * half_height), half_height)
+                    view = ((0.5 * (low_x + high_x), 0, top + 0.3 * half_height), half_height)
                 actors += tissue_actors(grid, arguments.cut)
             elif grid.GetCellType(0) == LINE:
                 actors += strand_actors(grid)
