@@ -58,6 +58,8 @@ class Tissue : public Component, public SolidBody {
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
+  void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
+  bool compliance_is_exact() const override { return solver_->compliance_is_exact(); }
   void correct(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override;
   Real mass() const override;
