@@ -239,6 +239,12 @@ void Rod::correct(Real dt, const VecX& force) {
   }
 }
 
+std::size_t Rod::bytes() const {
+  const auto n = static_cast<std::size_t>(nodes());
+  return n * (matrix_.bytes_per_block() + sizeof(ElementRest) + sizeof(ElementMass) +
+              2 * sizeof(Pose) + 3 * sizeof(Real) + 4 * sizeof(Vec6));
+}
+
 Real Rod::mass() const {
   Real m = 0;
   for (const ElementRest& r : elements_) m += r.mass;
