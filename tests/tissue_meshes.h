@@ -3,6 +3,9 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
 
 #include "mesh_data.h"
 
@@ -40,6 +43,21 @@ inline VecX stacked(const std::vector<Vec3>& points) {
   VecX x(3 * static_cast<Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) x.segment<3>(3 * static_cast<Index>(i)) = points[i];
   return x;
+}
+
+/// For scenes in tests: a mesh file in Gmsh's format 2.2, with all digits.
+inline void write_msh(const MeshData& mesh, const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << std::setprecision(17) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" << mesh.points.size() << "\n";
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    out << i + 1 << " " << mesh.points[i][0] << " " << mesh.points[i][1] << " " << mesh.points[i][2] << "\n";
+  out << "$EndNodes\n$Elements\n" << mesh.tets.size() << "\n";
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+    out << e + 1 << " 4 2 " << mesh.region[e] << " 1";
+    for (const Index i : mesh.tets[e]) out << " " << i + 1;
+    out << "\n";
+  }
+  out << "$EndElements\n";
 }
 
 }  // namespace sutura::test

@@ -45,6 +45,11 @@ class Tissue : public Component, public SolidBody {
   Real max_displacement() const;
   Vec3 lowest() const;  ///< the node with the smallest z
   const std::vector<Real>& node_mass() const { return mass_; }
+  const VecX& positions() const { return x_; }   ///< m, node by node
+  const VecX& velocities() const { return v_; }  ///< m/s
+  /// For restarts and tests. Fixed nodes are fixed where they are put; their velocity becomes zero.
+  void set_state(const VecX& x, const VecX& v);
+  const TissueSolveReport& solve_report() const { return solver_->report(); }
 
   // Body
   Index dofs() const override { return x_.size(); }
