@@ -1,5 +1,5 @@
 // What a tissue shows: sums over its state, and fields for recorders.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Eigenvalues>  // operatorNorm
 
 #include "rotation.h"
 #include "tissue.h"

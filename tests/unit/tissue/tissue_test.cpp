@@ -63,8 +63,8 @@ TEST(Tissue, HeldNodesDoNotMoveAtAll) {
 }
 
 TEST(Tissue, LayersHaveTheirOwnMaterial) {
-  TissueScene s(mesh + "<Tissue density='1000'/><Layer region='dermis' young='100 kPa' density='1200'/>" +
-                "<Layer region='7' young='2 kPa' density='900'/>");
+  TissueScene s(mesh + "<Tissue density='1000'/><Layer name='dermis' region='dermis' young='100 kPa' density='1200'/>" +
+                "<Layer name='seven' region='7' young='2 kPa' density='900'/>");
   EXPECT_NEAR(s.tissue().mass(), 2e-6 * (1200 + 900), 1e-15);
   EmbeddedPoint p = *s.tissue().locate(Vec3(0.01, 0.005, 0.015), Configuration::rest);
   EXPECT_EQ(s.tissue().region(p), 12);
@@ -72,8 +72,8 @@ TEST(Tissue, LayersHaveTheirOwnMaterial) {
 
 // Uniform stretch of a two-layer column by its own ends: with free sides each layer stretches by F / (E A).
 TEST(Tissue, StressFieldTellsTheLayersApart) {
-  TissueScene s(mesh + "<Tissue poisson='0' density='1000'/><Layer region='dermis' young='50 kPa' poisson='0'/>" +
-                "<Layer region='fat' young='5 kPa' poisson='0'/><Attach box='0 0 2  2 1 2 cm'/>");
+  TissueScene s(mesh + "<Tissue poisson='0' density='1000'/><Layer name='dermis' region='dermis' young='50 kPa' poisson='0'/>" +
+                "<Layer name='fat' region='fat' young='5 kPa' poisson='0'/><Attach box='0 0 2  2 1 2 cm'/>");
   for (int i = 0; i < 400; ++i) s.step();
   // Hanging from the top: 1 cm of stiff layer, then 1 cm of soft one. With nu = 0 nothing moves sideways, and the
   // elongation is rho g L^2 (1/2 + 1) / E_stiff + rho g L^2 / 2 E_soft; linear tets of one layer each take the mean
@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{MESH "<Tissue young='-1 Pa'/>", "young", 2},
         Fault{MESH "<Tissue density='0'/>", "density", 2},
         Fault{MESH "<Tissue/><Layer region='bone'/>", "it has 7 (fat), 12 (dermis)", 2},
-        Fault{MESH "<Tissue/><Layer region='fat'/><Layer region='7'/>", "a second layer for region '7'", 2},
+        Fault{MESH "<Tissue/><Layer name='a' region='fat'/><Layer name='b' region='7'/>", "a second layer for region '7'", 2},
         Fault{MESH "<Tissue/><Attach/>", "one of 'box' and 'nodes' is needed", 2},
         Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 6 cm'/>", "no node of the tissue lies in 'box'", 2},
         Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 cm'/>", "5 numbers, expected 6", 2},
