@@ -58,12 +58,21 @@ def actor_of(source, colour, **properties):
     return actor
 
 
+def vtk_centres(grid):
+    centres = vtk.vtkCellCenters()
+    centres.SetInputData(grid)
+    centres.Update()
+    return centres.GetOutput().GetPoints().GetData()
+
+
 def tissue_actors(grid, cut):
     """Each layer in its colour, the part in front of the plane y = cut taken away."""
     regions = array(grid.GetCellData(), "region")
     if regions is None:
         regions = np.zeros(grid.GetNumberOfCells())
-    for k, region in enumerate(sorted(set(regions), reverse=True)):
+    heights = vtk_to_numpy(vtk_centres(grid))[:, 2]
+    from_the_top = sorted(set(regions), key=lambda r: -heights[regions == r].mean())
+    for k, region in enumerate(from_the_top):
         layer = vtk.vtkExtractCells()
         layer.SetInputData(grid)
         cells = vtk.vtkIdList()
@@ -81,7 +90,7 @@ def tissue_actors(grid, cut):
         normals = vtk.vtkPolyDataNormals()
         normals.SetInputConnection(surface.GetOutputPort())
         normals.SetFeatureAngle(40)
-        yield actor_of(normals, LAYER_COLOURS[k % len(LAYER_COLOURS)], Ambient=0.25, Diffuse=0.75)
+        yield actor_of(normals, LAYER_COLOURS[k % len(LAYER_COLOURS)], Ambient=0.45, Diffuse=0.65)
         edges = vtk.vtkFeatureEdges()
         edges.SetInputConnection(surface.GetOutputPort())
         edges.ManifoldEdgesOff()
@@ -247,7 +256,8 @@ def main():
                 if view is None:
                     low_x, high_x, _, _, _, top = grid.GetBounds()
                     width = high_x - low_x
-                    view = ((0.5 * (low_x + high_x), 0, top), arguments.half_height or 0.45 * width)
+                    half_height = arguments.half_height or 0.45 * width
+                    view = ((0.5 * (low_x + high_x), 0, top + 0.3 * half_height), half_height)
                 actors += tissue_actors(grid, arguments.cut)
             elif grid.GetCellType(0) == LINE:
                 actors += strand_actors(grid)
@@ -257,8 +267,8 @@ def main():
         text = f"t = {time:.2f} s"
         if largest > 0:
             grid = series["constraints"].at(time)
-            actors += arrow_actors(grid, 0.4 * view[1] / largest, 0.006 * view[1])
-            text += f"    largest constraint force {largest_force(grid):.3f} N"
+            actors += arrow_actors(grid, 0.3 * view[1] / largest, 0.006 * view[1])
+            text += f"    arrows: constraint forces, largest {largest_force(grid):.2f} N"
         path = f"{arguments.prefix}_{name}.png"
         picture(actors, text, view, arguments.size, path)
         print(path)

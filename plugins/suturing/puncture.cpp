@@ -28,7 +28,7 @@ void Puncture::describe(Describe<Puncture>& d) {
               "One threshold per tag in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", at_least(0),
               "Coulomb coefficient of the tip on the surface before it goes through.");
-  d.output("force", "N", "Force of the surface on the tip, along the normal.",
+  d.output("force", "N", "Force of the surface on the tip: along the normal while it presses, along the needle in the step in which it goes through.",
            [](const Puncture& p) { return p.force_; });
   d.output("peak_force", "N", "Largest force along the normal so far.",
            [](const Puncture& p) { return p.peak_force_; });
@@ -156,6 +156,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
   params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
+  params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
 
   const Vec3 free = thread.point(0, Configuration::free) -
@@ -173,11 +174,12 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (!block_.valid()) return;
-  force_ = touched_.normal.dot(solved.force(block_));
   if (solved.mode(block_) != PunctureLaw::penetrated) {
+    force_ = touched_.normal.dot(solved.force(block_));
     peak_force_ = std::max(peak_force_, force_);
     return;
   }
+  force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
   // The force of this step is the one after the fall; it fell from the threshold, where the event fires.
   peak_force_ = std::max(peak_force_, threshold_here_);
   ++count_;

@@ -54,6 +54,7 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   VecX& velocity() { return velocity_; }
   const VecX& velocity() const { return velocity_; }
+  const VecX& free_velocity() const { return free_velocity_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
@@ -79,7 +80,7 @@ class Rod {
     Real residual = 0;  ///< N, largest force (moments divided by the mean beam length)
   };
   /// Static equilibrium under gravity and dead nodal loads (force, moment; 6 per node) by Newton with
-  /// the full tangent, shifted where it is indefinite. Holds act as springs. Velocity becomes zero.
+  /// the full tangent, in 20 load steps where one is too many. Holds act as springs. Velocity becomes zero.
   StaticReport equilibrium(const Vec3& gravity, const VecX& load, Real tolerance = 1e-10,
                            int max_iterations = 200);
 
@@ -88,6 +89,8 @@ class Rod {
                         const std::vector<Real>* tension = nullptr) const;
 
   Real mass() const;
+  /// Memory of one step's working set, bytes.
+  std::size_t bytes() const;
   Real elastic_energy() const;
   Real kinetic_energy() const;
   Vec3 momentum() const;
@@ -99,10 +102,14 @@ class Rod {
  private:
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                    std::vector<Real>& twist, const VecX& v, bool first);
+  bool expected_motion(Real dt, const Vec3& gravity);
+  void answer(const VecX& force);
   void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
                      bool first);
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
+  StaticReport solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
+                            int max_iterations);
   Real limit_step(const std::vector<Pose>& poses, const VecX& step) const;
   Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
                    const Vec3& gravity) const;
@@ -112,7 +119,7 @@ class Rod {
     Real total() const { return kinetic + potential; }
   };
   Energy free_energy(const Vec3& gravity);
-  Real incremental_potential(const Vec3& gravity);
+  Real incremental_potential(Real dt, const Vec3& gravity);
   void add_correction(Real dt, Real part);
   bool descend(Real dt, const Vec3& gravity);
   void predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
@@ -126,6 +133,7 @@ class Rod {
   std::vector<Pose> rest_, pose_, free_;
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
+  VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
   VecX velocity_, free_velocity_, rhs_, scratch_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
