@@ -34,6 +34,9 @@ void Puncture::describe(Describe<Puncture>& d) {
            [](const Puncture& p) { return p.peak_force_; });
   d.output("punctures", "1", "Times the tip has gone through a surface.",
            [](const Puncture& p) { return Real(p.count_); });
+  d.output("overruns", "1",
+           "Times the tip was found inside without a puncture: the mesh is too coarse for the indentation.",
+           [](const Puncture& p) { return Real(p.overruns_); });
   d.output("state", "", "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or tenting (a surface from inside).",
            [](const Puncture& p) -> std::string {
              if (p.front_ == Front::none || p.force_ <= 0) return "free";
@@ -74,8 +77,14 @@ Puncture::Front Puncture::find_entry() {
   const Real motion = (thread.point(0, Configuration::free) - tip).norm();
   const auto hit =
       path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
-  if (!hit) return Front::none;
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
+  const bool deep = !hit || hit->distance < -0.25 * path_->spacing();
+  if (deep && path_->tissue().locate(tip, Configuration::current)) {
+    // An indentation deeper than the elements can follow turns them inside out, and the tip is in without a puncture.
+    touched_ = *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
+    return Front::overrun;
+  }
+  if (!hit) return Front::none;
   touched_ = *hit;
   return Front::entry;
 }
@@ -140,7 +149,7 @@ bool Puncture::has_threshold(int region) const {
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   block_ = {};
   force_ = 0;
-  if (front_ == Front::none) return;
+  if (front_ == Front::none || front_ == Front::overrun) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const int region = tissue.region(touched_.at);
@@ -173,6 +182,10 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
+  if (front_ == Front::overrun) {
+    ++overruns_;
+    begin_bite();
+  }
   if (!block_.valid()) return;
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     force_ = touched_.normal.dot(solved.force(block_));
@@ -186,8 +199,7 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   Channel& channel = path_->channel();
   switch (front_) {
     case Front::entry:
-      channel.enter(touched_.at);
-      region_ = path_->tissue().region(touched_.at);
+      begin_bite();
       break;
     case Front::layer:
       region_ = path_->tissue().region(touched_.at);
@@ -196,8 +208,14 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
       if (channel.tip_inside()) channel.leave(touched_.at);
       break;
     case Front::none:
+    case Front::overrun:
       break;
   }
+}
+
+void Puncture::begin_bite() {
+  path_->channel().enter(touched_.at);
+  region_ = path_->tissue().region(touched_.at);
 }
 
 }  // namespace sutura
