@@ -130,7 +130,7 @@ class Rod {
   std::vector<Pose> rest_, pose_, free_;
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
-  VecX velocity_, free_velocity_, rhs_, scratch_;
+  VecX velocity_, free_velocity_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
