@@ -68,7 +68,8 @@ void expect_puncture(const StitchRun& r) {
   ASSERT_GT(entry, 0u) << "no puncture";
   // Rises to fp and not above; the event itself is recorded as the peak.
   EXPECT_LE(highest, fp * (1 + 1e-9));
-  EXPECT_GT(r.at(entry - 1, "puncture.force [N]"), 0.6 * fp);
+  // A step of 20 ms drives the needle by a fifth of the indentation: the last record before the event is that far below fp.
+  EXPECT_GT(r.at(entry - 1, "puncture.force [N]"), 0.45 * fp);
   EXPECT_NEAR(r.at(entry, "puncture.peak_force [N]"), fp, 0.01 * fp);
   // Drops to the cutting force and the friction on what slipped in.
   EXPECT_LT(r.at(entry, "puncture.force [N]"), 0.6 * fp);
