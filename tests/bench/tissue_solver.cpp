@@ -1,12 +1,12 @@
 // Solvers of a tissue: time per step, iterations against age, compliance.
-#include "tissue_solver.h"
+#include "tissue_bench_parts.h"
 
 #include <fstream>
 #include <numbers>
 
 #include "async_solver.h"
 #include "direct_solver.h"
-#include "tissue_bench_tools.h"
+#include "tissue_pad.h"
 
 namespace sutura::bench {
 namespace {
@@ -24,7 +24,7 @@ Result run(std::array<int, 3> cells, TissueSolver& solver, bool smoothed, double
   const Clock whole;
   constexpr Index warm_up = 3, most = 120;
   for (Index k = 0; k < warm_up + most; ++k) {
-    const VecX pressed = pad.tool(k, 1);
+    const VecX pressed = pad.tool(k, 0.3);
     const Clock step;
     pad.step(solver, k, pressed);
     const double cpu = step.cpu_ms(), wall = step.wall_ms();
