@@ -76,8 +76,23 @@ EmbeddedPoint Channel::embed(const Vec3& point) const {
   return end_;
 }
 
-void Channel::enter(const EmbeddedPoint& mouth) {
+/// Where the needle behind its tip goes through the surface: after a sudden puncture that is not quite where the tip pressed.
+EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed) const {
+  const Vec3 at = tissue_.position(pressed, Configuration::current);
+  const Real reach = std::min(2 * (at - tip()).norm() + spacing_, thread_.length());
+  Vec3 from = tip();
+  for (Real s = 0; s < reach;) {
+    s = std::min(s + 0.25 * spacing_, reach);
+    const Vec3 to = thread_.point(s, Configuration::current);
+    if (const auto hit = tissue_.crossing(from, to, Configuration::current)) return hit->at;
+    from = to;
+  }
+  return pressed;
+}
+
+void Channel::enter(const EmbeddedPoint& pressed) {
   samples_.resize(passed_);  // what an earlier, abandoned channel left
+  const EmbeddedPoint mouth = mouth_at_needle(pressed);
   const Vec3 at = tissue_.position(mouth, Configuration::current);
   const Real reach = 2 * (at - tip()).norm() + spacing_;
   const Real s = thread_.closest_abscissa(at, 0, 0, std::min(reach, thread_.length()),
@@ -88,13 +103,19 @@ void Channel::enter(const EmbeddedPoint& mouth) {
   record();
 }
 
-void Channel::leave(const EmbeddedPoint& mouth) {
+void Channel::leave(const EmbeddedPoint& pressed) {
   samples_.resize(passed_);
+  const EmbeddedPoint mouth = mouth_at_needle(pressed);
   const Vec3 at = tissue_.position(mouth, Configuration::current);
-  const PathSample& last = samples_.back();
+  const PathSample last = samples_.back();
   const Real s = thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)),
                                           Configuration::current);
-  push(mouth, last.depth + std::max(last.abscissa - s, Real(0)), s, PathSample::Kind::exit);
+  const Real depth = last.depth + std::max(last.abscissa - s, Real(0));
+  // Two samples a hair apart would hold the same section twice.
+  if (last.kind == PathSample::Kind::inner && depth - last.depth < 0.5 * spacing_) {
+    samples_.pop_back();
+  }
+  push(mouth, depth, s, PathSample::Kind::exit);
   end_ = mouth;
   end_depth_ = samples_.back().depth;
 }

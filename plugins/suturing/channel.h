@@ -52,10 +52,10 @@ class Channel {
   /// A mouth through which the tip could slide back in without puncture: within `reach` of `point`.
   bool mouth_near(const Vec3& point, Real reach) const;
 
-  /// The tip has just gone through the surface at `mouth`, into the tissue: begins a bite there.
-  void enter(const EmbeddedPoint& mouth);
-  /// The tip has just left the tissue at `mouth`.
-  void leave(const EmbeddedPoint& mouth);
+  /// The tip has just gone through the surface where it pressed, into the tissue: begins a bite.
+  void enter(const EmbeddedPoint& pressed);
+  /// The tip has just left the tissue where it pressed.
+  void leave(const EmbeddedPoint& pressed);
   PathSample& sample(std::size_t i) { return samples_[i]; }
   /// Of the sample with this id, if it is still there.
   void set_friction_mode(std::uint64_t id, std::uint8_t mode);
@@ -69,6 +69,7 @@ class Channel {
   void readvance();
   void record();
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
+  EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed) const;
   EmbeddedPoint embed(const Vec3& point) const;
   Vec3 tip() const { return thread_.point(0, Configuration::current); }
   Vec3 advance_direction() const { return -thread_.tangent(0, Configuration::current); }

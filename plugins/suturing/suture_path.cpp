@@ -92,25 +92,30 @@ void SuturePath::detect(const StepContext&) {
 
 void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
+  const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked_;
   for (std::size_t i = 0; i < crossings_.size(); ++i) {
     const Crossing& c = crossings_[i];
     const bool is_end = i == sample_crossings_;
-    if (is_end && tip_blocked_) break;
+    if (is_end && !hold_end) break;
+    // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each other.
+    if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < 0.3 * spacing_) continue;
     const BlockId block = builder.add<Bilateral<2>>(make_key(source_id_, c.id), {},
                                                     BlockVector<2>(c.free.tail<2>()));
     const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
-    blocks_.push_back(block);
+    blocks_.push_back({block, i});
   }
 }
 
 void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   lateral_force_ = 0;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const Real force = solved.lambda(blocks_[i]).norm();
+  for (const LateralBlock& b : blocks_) {
+    const Real force = solved.lambda(b.block).norm();
     lateral_force_ = std::max(lateral_force_, force);
-    if (i < sample_crossings_) channel_->sample(crossings_[i].sample).lateral_force = force;
+    if (b.crossing < sample_crossings_) {
+      channel_->sample(crossings_[b.crossing].sample).lateral_force = force;
+    }
   }
   channel_->update();
   lateral_gap_ = 0;

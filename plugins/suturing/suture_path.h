@@ -55,7 +55,11 @@ class SuturePath : public Component, public ConstraintSource {
   std::optional<Channel> channel_;
   std::vector<Crossing> crossings_;  ///< samples on the thread, then the end of the channel if the tip is there
   std::size_t sample_crossings_ = 0;
-  std::vector<BlockId> blocks_;
+  struct LateralBlock {
+    BlockId block;
+    std::size_t crossing;
+  };
+  std::vector<LateralBlock> blocks_;
   bool tip_blocked_ = false;
   Real lateral_force_ = 0;  ///< largest over the samples (N)
   Real lateral_gap_ = 0;    ///< largest distance thread - channel (m)

@@ -45,7 +45,7 @@ void Rod::build(const RodLayout& layout) {
   }
   twist_.assign(n - 1, 0);
   free_twist_ = tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &before_velocity_, &correction_}) v->setZero(dofs());
+  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &constraint_force_}) v->setZero(dofs());
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());
@@ -156,6 +156,7 @@ void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& pos
         plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
                       so * s.ta.dot(s.tb) + ro);
   }
+  rhs_ += dt * constraint_force_;
   apply_springs(dt, fall, poses, v, first);
   for (const Index node : clamped_) {
     for (int d = 0; d < 6; ++d) matrix_.fix(node, d);
@@ -216,10 +217,16 @@ void Rod::advance_free(Real dt, const Vec3& gravity) {
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
 }
 
-void Rod::correct(Real dt, const VecX& force) {
+/// rhs_ <- A^-1 force.
+void Rod::answer(const VecX& force) {
   rhs_ = force;
   for (const Index node : clamped_) rhs_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(rhs_));
+}
+
+void Rod::correct(Real dt, const VecX& force) {
+  constraint_force_ = force;
+  answer(force);
   velocity_ = free_velocity_ + dt * rhs_;
   move(pose_, twist_, velocity_, dt, pose_, twist_);
   if (keep_ < 1) velocity_ *= keep_;

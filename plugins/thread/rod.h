@@ -54,6 +54,7 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   VecX& velocity() { return velocity_; }
   const VecX& velocity() const { return velocity_; }
+  const VecX& free_velocity() const { return free_velocity_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
@@ -101,6 +102,8 @@ class Rod {
  private:
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                    std::vector<Real>& twist, const VecX& v, bool first);
+  bool expected_motion(Real dt, const Vec3& gravity);
+  void answer(const VecX& force);
   void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
                      bool first);
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
@@ -116,7 +119,7 @@ class Rod {
     Real total() const { return kinetic + potential; }
   };
   Energy free_energy(const Vec3& gravity);
-  Real incremental_potential(const Vec3& gravity);
+  Real incremental_potential(Real dt, const Vec3& gravity);
   void add_correction(Real dt, Real part);
   bool descend(Real dt, const Vec3& gravity);
   void predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
@@ -130,7 +133,8 @@ class Rod {
   std::vector<Pose> rest_, pose_, free_;
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
-  VecX velocity_, free_velocity_, rhs_, scratch_, before_velocity_, correction_;
+  VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
+  VecX velocity_, free_velocity_, rhs_, scratch_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;

@@ -65,10 +65,20 @@ void Rod::add_correction(Real dt, Real part) {
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
 }
 
+// A taut thread in its path would leave it by millimetres if its constraints were dropped for the free motion, and a
+// linearisation there says nothing about where it will be. So the step is linearised about the motion under the constraint
+// forces of the step before, and those are then taken off again, linearly: rows still answer with their whole lambda.
+bool Rod::free_motion(Real dt, const Vec3& gravity) {
+  if (!expected_motion(dt, gravity)) return false;
+  answer(constraint_force_);
+  free_velocity_ -= dt * rhs_;
+  return true;
+}
+
 // One linearisation is all a calm step needs. Implicit Euler loses energy; when the linearised step gained
 // some (the stretch faked by turning beams, times EA), or turned a beam by more than half a radian, Newton
 // goes on until the energy balance holds; if it does not get there, the guarded descent does.
-bool Rod::free_motion(Real dt, const Vec3& gravity) {
+bool Rod::expected_motion(Real dt, const Vec3& gravity) {
   keep_ = 1;
   passes_ = 1;
   assemble(dt, gravity);
@@ -82,7 +92,8 @@ bool Rod::free_motion(Real dt, const Vec3& gravity) {
   const Index most_passes = newton_iterations + 8;
   for (;; ++passes_) {
     if (part == 1 && passes_ >= newton_iterations &&
-        free_energy(gravity).total() <= start_energy_ + slack)
+        free_energy(gravity).total() <=
+            start_energy_ + slack + dt * constraint_force_.dot(free_velocity_))
       return true;
     if (passes_ >= most_passes) break;
     if (passes_ == 1) {
@@ -105,8 +116,8 @@ bool Rod::free_motion(Real dt, const Vec3& gravity) {
 /// The potential whose minimum is the step of implicit Euler: potential energy plus half the squared
 /// difference, in the norm of the mass, to the velocity that inertia alone would keep. Weight is in the
 /// potential energy.
-Real Rod::incremental_potential(const Vec3& gravity) {
-  Real sum = spring_energy(free_);
+Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
+  Real sum = spring_energy(free_) - dt * constraint_force_.dot(free_velocity_);
   ElementState s;
   scratch_ = free_velocity_ - velocity_;
   for (Index e = 0; e < beams(); ++e) {
@@ -128,26 +139,27 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     element_state(e, s);
     tension_[e] = s.tension;
   }
-  Real value = incremental_potential(gravity);
+  Real value = incremental_potential(dt, gravity);
+  VecX before_velocity = free_velocity_, correction = rhs_;
   constexpr int most = 12;
   for (int i = 0; i < most; ++i, ++passes_) {
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     if (!factor()) return false;
     matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    correction_ = rhs_;
-    before_velocity_ = free_velocity_;
-    scratch_ = dt * correction_;
+    correction = rhs_;
+    before_velocity = free_velocity_;
+    scratch_ = dt * correction;
     Real part = limit_step(free_, scratch_);
     predict_tension(free_, free_twist_, scratch_, part, false);
     Real next = value;
     for (int cut = 0; cut < 20; ++cut, part /= 2) {
-      free_velocity_ = before_velocity_ + part * correction_;
+      free_velocity_ = before_velocity + part * correction;
       move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-      next = incremental_potential(gravity);
+      next = incremental_potential(dt, gravity);
       if (next < value) break;
     }
     if (!(next < value)) {
-      free_velocity_ = before_velocity_;
+      free_velocity_ = before_velocity;
       move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
       break;
     }
@@ -155,7 +167,8 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     value = next;
   }
   const Energy end = free_energy(gravity);
-  const Real left = start_energy_ - end.potential;
+  const Real left =
+      start_energy_ + dt * constraint_force_.dot(free_velocity_) - end.potential;
   if (end.kinetic > left) keep_ = std::sqrt(std::max(left, 0.) / end.kinetic);
   return true;
 }

@@ -87,11 +87,25 @@ void SutureThread::build() {
 }
 
 void SutureThread::free_motion(const StepContext& context) {
+  dt_ = context.dt;
   factored_ = rod_.free_motion(context.dt, context.gravity);
 }
 
 void SutureThread::correct(const StepContext& context, const VecX& force) {
   if (factored_) rod_.correct(context.dt, force);
+}
+
+/// After free motion: along the velocity, not where the nodes are. Without its constraints a taut thread may turn by a
+/// radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
+Vec3 SutureThread::point(Real s, Configuration c) const {
+  if (c != Configuration::free) return curve_point(rod_, s, c);
+  PointJacobian J;
+  curve_jacobian(rod_, s, J);
+  Vec3 point = curve_point(rod_, s, Configuration::current);
+  for (int k = 0; k < J.nodes; ++k) {
+    point += dt_ * J.coefficients.middleCols<6>(6 * k) * rod_.free_velocity().segment<6>(6 * J.node[k]);
+  }
+  return point;
 }
 
 Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {

@@ -48,7 +48,7 @@ class SutureThread : public Component, public CurveBody {
   Real needle_length() const override { return shape_.needle_length; }
   Real radius(Real s) const override;
   EmbeddedPoint embed(Real s) const override;
-  Vec3 point(Real s, Configuration c) const override { return curve_point(rod_, s, c); }
+  Vec3 point(Real s, Configuration c) const override;
   Vec3 tangent(Real s, Configuration c) const override { return curve_tangent(rod_, s, c); }
   Pose frame(Real s, Configuration c) const override { return curve_frame(rod_, s, c); }
   Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
@@ -72,6 +72,7 @@ class SutureThread : public Component, public CurveBody {
   SutureShape shape_;
   std::vector<Real> holds_;  ///< abscissae
   bool factored_ = true;
+  Real dt_ = 0;
   // Work space of add_compliance.
   mutable std::vector<Index> touched_, touched_place_;
   mutable std::vector<Mat6> inverse_;

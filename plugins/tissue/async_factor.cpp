@@ -1,13 +1,21 @@
 #include "async_factor.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
 namespace sutura {
 
-void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& plan) {
+void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   const auto start = std::chrono::steady_clock::now();
-  if (!factor) factor = make_factor(plan);
+  const auto& candidates = snapshot->candidates;
+  if (!plan || !std::ranges::equal(tail_nodes(*plan), candidates)) {
+    plan = std::ranges::equal(tail_nodes(*base), candidates) ? base : with_last(*base, candidates);
+    factor = make_factor(plan);
+    place.assign(static_cast<std::size_t>(snapshot->A.nodes()), -1);
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      place[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
+  }
   ok = factor->factorise(snapshot->A);
   if (ok) tail = factor->tail_compliance();
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

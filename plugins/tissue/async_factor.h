@@ -21,19 +21,24 @@ namespace sutura {
 struct Snapshot {
   NodeMatrix A;
   std::vector<Mat3> rotations;
+  std::vector<Index> candidates;  ///< to be eliminated last
   Index step = -1;
 };
 
 /// What the worker publishes.
 struct SnapshotFactor {
   std::shared_ptr<Snapshot> snapshot;
+  std::shared_ptr<const FactorPlan> plan;
   std::unique_ptr<Factor> factor;
   MatX tail;          ///< compliance of the candidates, in the axes of the snapshot
   bool ok = false;    ///< false: not positive definite
   double seconds = 0; ///< wall time of the factorisation
 
-  /// Fills factor, tail and ok from the snapshot. The same bits on whichever worker it runs.
-  void factorise(const std::shared_ptr<const FactorPlan>& plan);
+  std::vector<Index> place;  ///< per node, among the candidates; -1
+
+  /// Fills the rest from the snapshot; `base` is any plan of its pattern. The same bits on whichever
+  /// worker it runs, and whatever factor was here before.
+  void factorise(const std::shared_ptr<const FactorPlan>& base);
 };
 
 class FactorWorker {

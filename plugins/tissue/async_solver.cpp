@@ -19,11 +19,8 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   adoptions_.clear();
   pattern_ = std::move(pattern);
   fixed_.assign(fixed.begin(), fixed.end());
-  plan_ = make_factor_plan(*pattern_, fixed_, candidates, options_.backend);
-  tail_of_node_.assign(static_cast<std::size_t>(pattern_->nodes()), -1);
-  const auto tail = tail_nodes(*plan_);
-  for (std::size_t k = 0; k < tail.size(); ++k)
-    tail_of_node_[static_cast<std::size_t>(tail[k])] = static_cast<Index>(k);
+  candidates_.reset(pattern_, fixed, candidates);
+  plan_ = make_factor_plan(pattern_, fixed_, candidates_.chosen(), options_.backend);
   report_ = {};
   last_iterations_ = 0;
 }
@@ -34,6 +31,7 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   rotations_.assign(rotations.begin(), rotations.end());
   step_ = step;
   jacobi_ready_ = false;
+  asked_.resize(0);
   const Index failed = report_.failed_factors, adopted = report_.adopted_at;
   report_ = {};
   report_.failed_factors = failed;
@@ -65,9 +63,11 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
 /// A copy of the matrix of this step, in recycled memory.
 std::unique_ptr<SnapshotFactor> AsyncSolver::take_snapshot() {
   auto job = spare_ ? std::move(spare_) : std::make_unique<SnapshotFactor>();
-  if (!job->snapshot) job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, -1});
+  if (!job->snapshot) job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, {}, -1});
   else job->snapshot->A = *A_;
   job->snapshot->rotations = rotations_;
+  if (candidates_.outgrown()) candidates_.choose(step_);
+  job->snapshot->candidates = candidates_.chosen();
   job->snapshot->step = step_;
   return job;
 }
@@ -79,7 +79,7 @@ bool AsyncSolver::wants_new_factor() const {
     return std::any_of(options_.replay.begin(), options_.replay.end(), [&](const Adoption& a) {
       return a.snapshot == step_ && a.step > a.snapshot;
     });
-  return last_iterations_ > options_.refactor_iterations ||
+  return last_iterations_ > options_.refactor_iterations || candidates_.outgrown() ||
          step_ - current_->snapshot->step >= options_.max_age;
 }
 
@@ -155,6 +155,13 @@ const Preconditioner& AsyncSolver::preconditioner() {
 
 void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   assert(A_);
+  // The check of a compliance and the correction after it ask for the same column.
+  const bool single = columns.cols() == 1;
+  if (single && asked_.size() == columns.rows() && asked_ == columns.col(0)) {
+    columns.col(0) = answered_;
+    return;
+  }
+  if (single) asked_ = columns.col(0);
   PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
                            options_.max_iterations);
   report_.iterations += r.iterations;
@@ -174,20 +181,12 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
                                : "no factor, and conjugate gradients did not converge without one";
   }
   columns = x_;
+  if (single) answered_ = x_.col(0);
 }
 
-bool AsyncSolver::has_compliance(std::span<const Index> nodes) const {
-  return current_ && std::all_of(nodes.begin(), nodes.end(), [&](Index i) {
-           const auto k = static_cast<std::size_t>(i);
-           return tail_of_node_[k] >= 0 || (!fixed_.empty() && fixed_[k]);
-         });
-}
-
-Mat3 AsyncSolver::compliance_block(Index i, Index j) const {
-  const Index a = tail_of_node_[static_cast<std::size_t>(i)];
-  const Index b = tail_of_node_[static_cast<std::size_t>(j)];
-  if (a < 0 || b < 0) return Mat3::Zero();  // fixed
-  return warped_.turn(i) * current_->tail.block<3, 3>(3 * a, 3 * b) * warped_.turn(j).transpose();
+NodeCompliance AsyncSolver::compliance() const {
+  if (!current_ || current_->tail.size() == 0) return {};
+  return {&current_->tail, current_->place, warped_.turns()};
 }
 
 }  // namespace sutura

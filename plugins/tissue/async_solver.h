@@ -49,8 +49,13 @@ class AsyncSolver : public TissueSolver {
   bool wants_rotations() const override { return true; }
   void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
   void solve(Eigen::Ref<MatX> columns) override;
-  bool has_compliance(std::span<const Index> nodes) const override;
-  Mat3 compliance_block(Index i, Index j) const override;
+  Index nodes() const override { return pattern_->nodes(); }
+  bool is_fixed(Index node) const override {
+    return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
+  }
+  void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
+  NodeCompliance compliance() const override;
+  bool compliance_is_exact() const override { return false; }
   const TissueSolveReport& report() const override { return report_; }
 
   const std::vector<Adoption>& adoptions() const { return adoptions_; }
@@ -69,7 +74,7 @@ class AsyncSolver : public TissueSolver {
   std::shared_ptr<const NodePattern> pattern_;
   std::shared_ptr<const FactorPlan> plan_;
   std::vector<char> fixed_;
-  std::vector<Index> tail_of_node_;  ///< place among the candidates, or -1
+  Candidates candidates_;
 
   const NodeMatrix* A_ = nullptr;
   std::vector<Mat3> rotations_;
@@ -87,6 +92,7 @@ class AsyncSolver : public TissueSolver {
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;
   MatX x_;
+  VecX asked_, answered_;  ///< the last single right-hand side of the step and its solution
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;
   TissueSolveReport report_;

@@ -8,18 +8,30 @@ namespace sutura {
 void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
                                 std::span<const char> fixed, std::span<const Index> candidates) {
   fixed_.assign(fixed.begin(), fixed.end());
-  plan_ = make_factor_plan(*pattern, fixed_, candidates, backend_);
+  place_.resize(static_cast<std::size_t>(pattern->nodes()));
+  candidates_.reset(pattern, fixed, candidates);
+  plan_ = make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_);
+  adopt_plan();
+  report_ = {};
+}
+
+void SynchronousSolver::adopt_plan() {
   factor_ = make_factor(plan_);
-  tail_of_node_.assign(static_cast<std::size_t>(pattern->nodes()), -1);
+  std::fill(place_.begin(), place_.end(), -1);
   const auto tail = tail_nodes(*plan_);
   for (std::size_t k = 0; k < tail.size(); ++k)
-    tail_of_node_[static_cast<std::size_t>(tail[k])] = static_cast<Index>(k);
-  report_ = {};
+    place_[static_cast<std::size_t>(tail[k])] = static_cast<Index>(k);
 }
 
 void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Index step) {
   assert(factor_);
   A_ = &A;
+  step_ = step;
+  if (candidates_.outgrown()) {
+    candidates_.choose(step);
+    plan_ = with_last(*plan_, candidates_.chosen());
+    adopt_plan();
+  }
   const Index failed = report_.failed_factors;
   report_ = {};
   ok_ = factor_->factorise(A);
@@ -56,20 +68,11 @@ void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
   columns = x_;
 }
 
-bool SynchronousSolver::has_compliance(std::span<const Index> nodes) const {
-  return ok_ && std::all_of(nodes.begin(), nodes.end(), [&](Index i) {
-           const auto k = static_cast<std::size_t>(i);
-           return tail_of_node_[k] >= 0 || (!fixed_.empty() && fixed_[k]);
-         });
-}
-
-Mat3 SynchronousSolver::compliance_block(Index i, Index j) const {
-  const Index a = tail_of_node_[static_cast<std::size_t>(i)];
-  const Index b = tail_of_node_[static_cast<std::size_t>(j)];
-  if (a < 0 || b < 0) return Mat3::Zero();  // fixed
+NodeCompliance SynchronousSolver::compliance() const {
+  if (!ok_ || tail_nodes(*plan_).empty()) return {};
   if (!has_tail_) tail_ = factor_->tail_compliance();
   has_tail_ = true;
-  return tail_.block<3, 3>(3 * a, 3 * b);
+  return {&tail_, place_, {}};
 }
 
 std::unique_ptr<TissueSolver> make_direct_solver() { return std::make_unique<SynchronousSolver>(); }

@@ -21,16 +21,25 @@ class SynchronousSolver : public TissueSolver {
   bool wants_rotations() const override { return false; }
   void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
   void solve(Eigen::Ref<MatX> columns) override;
-  bool has_compliance(std::span<const Index> nodes) const override;
-  Mat3 compliance_block(Index i, Index j) const override;
+  Index nodes() const override { return static_cast<Index>(place_.size()); }
+  bool is_fixed(Index node) const override {
+    return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
+  }
+  void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
+  NodeCompliance compliance() const override;
+  bool compliance_is_exact() const override { return true; }
   const TissueSolveReport& report() const override { return report_; }
 
  private:
+  void adopt_plan();
+
   FactorBackend backend_;
   std::shared_ptr<const FactorPlan> plan_;
   std::unique_ptr<Factor> factor_;
   std::vector<char> fixed_;
-  std::vector<Index> tail_of_node_;
+  Candidates candidates_;
+  std::vector<Index> place_;  ///< per node, among the candidates; -1
+  Index step_ = 0;
   const NodeMatrix* A_ = nullptr;
   bool ok_ = false;
   mutable MatX tail_;          ///< inverted when first asked for in a step

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "factor_plan.h"
 
@@ -44,46 +45,56 @@ struct Placed {
 
 }  // namespace
 
-FactorPlan::FactorPlan(const NodePattern& pattern, std::span<const char> fixed,
+FactorPlan::FactorPlan(std::shared_ptr<const NodePattern> graph, std::span<const char> fixed,
                        std::span<const Index> last, FactorBackend which)
-    : backend(which), nodes(pattern.nodes()) {
-  const auto n = static_cast<std::size_t>(nodes);
+    : backend(which), pattern(std::move(graph)) {
+  const auto n = static_cast<std::size_t>(pattern->nodes());
   assert(fixed.empty() || fixed.size() == n);
-  constexpr std::int32_t unset = -1, excluded = -2;
-  std::vector<std::int32_t> number(n, unset);
-  for (std::size_t i = 0; i < fixed.size(); ++i)
-    if (fixed[i]) number[i] = excluded;
-  for (const Index i : last)
-    if (number[static_cast<std::size_t>(i)] == unset) {
-      number[static_cast<std::size_t>(i)] = excluded;
-      tail.push_back(i);
-    }
-
-  // Order all the others among themselves, then append the tail.
-  std::vector<std::int32_t> vertex;
+  std::vector<std::int32_t> number(n, -1), vertex;
   for (std::size_t i = 0; i < n; ++i)
-    if (number[i] == unset) {
+    if (fixed.empty() || !fixed[i]) {
       number[i] = static_cast<std::int32_t>(vertex.size());
       vertex.push_back(static_cast<std::int32_t>(i));
     }
   std::vector<std::int32_t> start, neighbour;
-  build_graph(pattern, number, vertex.size(), start, neighbour);
+  build_graph(*pattern, number, vertex.size(), start, neighbour);
   for (const std::int32_t v : fill_reducing_order(start, neighbour))
-    order.push_back(vertex[static_cast<std::size_t>(v)]);
+    base.push_back(vertex[static_cast<std::size_t>(v)]);
+  place(last);
+}
+
+FactorPlan::FactorPlan(const FactorPlan& other, std::span<const Index> last)
+    : backend(other.backend), pattern(other.pattern), base(other.base) {
+  place(last);
+}
+
+/// Moves the tail to the end of the order and says where every entry of A goes.
+void FactorPlan::place(std::span<const Index> last) {
+  const auto n = static_cast<std::size_t>(pattern->nodes());
+  constexpr char is_fixed = 0, is_free = 1, is_tail = 2;
+  std::vector<char> kind(n, is_fixed);
+  for (const std::int32_t i : base) kind[static_cast<std::size_t>(i)] = is_free;
+  for (const Index i : last)
+    if (kind[static_cast<std::size_t>(i)] == is_free) {
+      kind[static_cast<std::size_t>(i)] = is_tail;
+      tail.push_back(i);
+    }
+  for (const std::int32_t i : base)
+    if (kind[static_cast<std::size_t>(i)] == is_free) order.push_back(i);
   for (const Index i : tail) order.push_back(static_cast<std::int32_t>(i));
 
-  std::vector<std::int32_t> position(n, unset);
+  std::vector<std::int32_t> position(n, -1);
   for (std::size_t k = 0; k < order.size(); ++k)
     position[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
 
   std::vector<std::vector<Placed>> columns(order.size());
-  for (Index i = 0; i < nodes; ++i) {
+  for (Index i = 0; i < pattern->nodes(); ++i) {
     const std::int32_t p = position[static_cast<std::size_t>(i)];
     if (p < 0) continue;
-    for (std::int32_t k = pattern.row_start()[static_cast<std::size_t>(i)];
-         k < pattern.row_start()[static_cast<std::size_t>(i) + 1]; ++k) {
+    for (std::int32_t k = pattern->row_start()[static_cast<std::size_t>(i)];
+         k < pattern->row_start()[static_cast<std::size_t>(i) + 1]; ++k) {
       const std::int32_t q =
-          position[static_cast<std::size_t>(pattern.column()[static_cast<std::size_t>(k)])];
+          position[static_cast<std::size_t>(pattern->column()[static_cast<std::size_t>(k)])];
       if (q < 0) continue;
       columns[static_cast<std::size_t>(std::min(p, q))].push_back({std::max(p, q), k, p < q});
     }
@@ -159,11 +170,15 @@ FactorBackend default_backend() {
   return has_backend(FactorBackend::cholmod) ? FactorBackend::cholmod : FactorBackend::eigen;
 }
 
-std::shared_ptr<const FactorPlan> make_factor_plan(const NodePattern& pattern,
+std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePattern> pattern,
                                                    std::span<const char> fixed,
                                                    std::span<const Index> last,
                                                    FactorBackend backend) {
-  return std::make_shared<FactorPlan>(pattern, fixed, last, backend);
+  return std::make_shared<FactorPlan>(std::move(pattern), fixed, last, backend);
+}
+
+std::shared_ptr<const FactorPlan> with_last(const FactorPlan& plan, std::span<const Index> last) {
+  return std::make_shared<FactorPlan>(plan, last);
 }
 
 std::span<const Index> tail_nodes(const FactorPlan& plan) { return plan.tail; }

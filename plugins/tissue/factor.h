@@ -25,7 +25,7 @@ class FactorPlan;
 /// `fixed`: per node, nonzero if prescribed (its rows and columns are left out); empty: none is.
 /// `last`: free nodes to be eliminated last, in this order, so that the factor knows their
 /// compliance (see Factor::tail_compliance); fixed nodes among them are skipped.
-std::shared_ptr<const FactorPlan> make_factor_plan(const NodePattern& pattern,
+std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePattern> pattern,
                                                    std::span<const char> fixed,
                                                    std::span<const Index> last,
                                                    FactorBackend backend);
@@ -45,6 +45,10 @@ class Factor {
   /// Numbers stored in L.
   virtual Index stored() const = 0;
 };
+
+/// The same with other nodes last. The rest keeps its order, whose quality does not suffer: a
+/// separator remains one. Much cheaper than a new plan, and needs nothing but the old one.
+std::shared_ptr<const FactorPlan> with_last(const FactorPlan& plan, std::span<const Index> last);
 
 /// The `last` nodes that are free.
 std::span<const Index> tail_nodes(const FactorPlan& plan);

@@ -10,9 +10,30 @@
 // OpenBLAS would start workers of its own for every dense block: slower on blocks of this size, and
 // they would compete with the simulation. Other BLAS libraries do not have the symbol.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+// CHOLMOD may itself be built with OpenMP, four threads per dense block whatever the machine.
+extern "C" int omp_get_max_active_levels() __attribute__((weak));
+extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 
 namespace sutura {
 namespace {
+
+/// No parallel region opens while this lives; a setting of the calling worker, put back after.
+class WithoutOpenMP {
+ public:
+  WithoutOpenMP() {
+    if (!omp_get_max_active_levels || !omp_set_max_active_levels) return;
+    levels_ = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
+  }
+  ~WithoutOpenMP() {
+    if (levels_ >= 0) omp_set_max_active_levels(levels_);
+  }
+  WithoutOpenMP(const WithoutOpenMP&) = delete;
+  WithoutOpenMP& operator=(const WithoutOpenMP&) = delete;
+
+ private:
+  int levels_ = -1;
+};
 
 class CholmodFactor : public Factor {
  public:
@@ -53,6 +74,7 @@ class CholmodFactor : public Factor {
   bool factorise(const NodeMatrix& A) override {
     ready_ = plan_->gather(A, entries_.data());
     if (!ready_ || plan_->size() == 0) return ready_;
+    const WithoutOpenMP guard;
     // Out of memory and "not positive definite" are both reported here; L_ is null only if the
     // analysis ran out of memory.
     ready_ = L_ != nullptr && cholmod_factorize(&A_, L_, &common_) != 0 &&
@@ -68,6 +90,7 @@ class CholmodFactor : public Factor {
       columns.setZero();
       return;
     }
+    const WithoutOpenMP guard;
     cholmod_dense b{};
     b.nrow = static_cast<std::size_t>(work_.rows());
     b.ncol = static_cast<std::size_t>(work_.cols());

@@ -7,6 +7,8 @@
 
 #ifdef SUTURA_WITH_CHOLMOD
 #include <metis.h>
+
+#include <mutex>
 #endif
 
 namespace sutura {
@@ -40,6 +42,10 @@ std::vector<std::int32_t> fill_reducing_order(const std::vector<std::int32_t>& s
     static_assert(sizeof(idx_t) == sizeof(std::int32_t));
     auto n = static_cast<idx_t>(start.size() - 1);
     std::vector<idx_t> xadj(start), adjacency(neighbour), order(start.size() - 1), position(order);
+    // METIS seeds and draws from the random numbers of the C library: two calls at once would disturb
+    // each other's sequence, and with it the order and the last bits of every result.
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
     if (METIS_NodeND(&n, xadj.data(), adjacency.data(), nullptr, nullptr, order.data(),
                      position.data()) == METIS_OK)
       return order;

@@ -13,11 +13,13 @@ namespace sutura {
 
 class FactorPlan {
  public:
-  FactorPlan(const NodePattern& pattern, std::span<const char> fixed, std::span<const Index> last,
-             FactorBackend backend);
+  FactorPlan(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+             std::span<const Index> last, FactorBackend backend);
+  FactorPlan(const FactorPlan& other, std::span<const Index> last);
 
   FactorBackend backend = FactorBackend::eigen;
-  Index nodes = 0;                      ///< of the pattern, fixed ones included
+  std::shared_ptr<const NodePattern> pattern;
+  std::vector<std::int32_t> base;       ///< free nodes in fill-reducing order, the tail at its place
   std::vector<std::int32_t> order;      ///< free nodes, in elimination order
   std::vector<Index> tail;              ///< the last ones of `order`
   /// Lower triangle of the reordered matrix by columns: row indices, and where in
@@ -33,6 +35,9 @@ class FactorPlan {
   void restrict_to_free(const Eigen::Ref<const MatX>& full, Eigen::Ref<MatX> reduced) const;
   /// The reverse; rows of fixed nodes become zero.
   void extend(const Eigen::Ref<const MatX>& reduced, Eigen::Ref<MatX> full) const;
+
+ private:
+  void place(std::span<const Index> last);
 };
 
 /// (L L^T)^-1 of a dense lower triangle.

@@ -37,7 +37,7 @@ class WarpedFactor : public Preconditioner {
  public:
   void set(const Factor& factor, std::span<const Mat3> then, std::span<const Mat3> now);
   void apply(Eigen::Ref<MatX> columns) const override;
-  const Mat3& turn(Index node) const { return turn_[static_cast<std::size_t>(node)]; }
+  std::span<const Mat3> turns() const { return turn_; }
 
  private:
   const Factor* factor_ = nullptr;

@@ -1,5 +1,6 @@
 #include "attach.h"
 #include "layer.h"
+#include "solver_components.h"
 #include "sutura/plugin.h"
 #include "tet_mesh.h"
 #include "tissue.h"

@@ -42,7 +42,7 @@ class GmshReader {
       in_.fail("found '" + MeshCursor::shortened(name) + "', expected the start of a section ('$...')");
     if (name == "$MeshFormat") format();
     else if (name == "$Nodes" || name == "$Elements" || name == "$Entities") {
-      if (version_ == 0) in_.fail(name + " comes before '$MeshFormat'");
+      if (version_ == 0) in_.fail("'" + name + "' comes before '$MeshFormat'");
       in_.rest_of_line();
       if (name == "$Entities") entities();
       else if (name == "$Nodes") version_ == 4 ? nodes4() : nodes2();

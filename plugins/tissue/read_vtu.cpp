@@ -54,7 +54,10 @@ class VtuReader {
   explicit VtuReader(std::string_view bytes) {
     // Raw appended data is not XML: cut it out before parsing.
     const std::size_t tag = bytes.find("<AppendedData");
-    if (tag == std::string_view::npos) return parse(std::string(bytes));
+    if (tag == std::string_view::npos) {
+      parse(std::string(bytes));
+      return;
+    }
     const std::size_t open = bytes.find('>', tag);
     const std::size_t mark = open == std::string_view::npos ? open : bytes.find('_', open);
     if (mark == std::string_view::npos) throw MeshProblem{0, "<AppendedData> without its '_' mark"};

@@ -70,7 +70,8 @@ auto rotation_closed_form(const Small3<S>& F, Small3<S>& R) {
     }
   // The error of R grows like rounding / (slope / |F|^3)^2: refuse below 0.01 (3.1 at rest), and
   // where l has not come down to its bound yet.
-  return !(slope > 0.0) | !(slope * slope > 1e-4 * a * a * a) | !(l * l < 3.0001 * a);
+  const auto fine = (slope > 0.0) & (slope * slope > 1e-4 * a * a * a) & (l * l < 3.0001 * a);
+  return fine == 0;
 }
 
 /// For one matrix: closed form where it is accurate, singular values elsewhere.

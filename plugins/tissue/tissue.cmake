@@ -1,6 +1,8 @@
 # Factorisation backends of the tissue plugin. CHOLMOD's supernodal module is GPL: a build without it (SUTURA_CHOLMOD=OFF)
 # uses Eigen's factorisation and links nothing but Apache-compatible code.
 option(SUTURA_CHOLMOD "CHOLMOD supernodal factorisation in the tissue plugin" ON)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(TINYXML2 REQUIRED IMPORTED_TARGET tinyxml2)  # imported targets end with their directory
 set(SUTURA_TISSUE_LIBRARIES Threads::Threads PkgConfig::TINYXML2)
 if(SUTURA_CHOLMOD)
   find_library(SUTURA_CHOLMOD_LIBRARY cholmod REQUIRED)

@@ -1,6 +1,7 @@
 #include "tissue.h"
 
 #include "corotational_t4.h"
+#include "direct_solver.h"
 
 namespace sutura {
 

@@ -45,6 +45,11 @@ class Tissue : public Component, public SolidBody {
   Real max_displacement() const;
   Vec3 lowest() const;  ///< the node with the smallest z
   const std::vector<Real>& node_mass() const { return mass_; }
+  const VecX& positions() const { return x_; }   ///< m, node by node
+  const VecX& velocities() const { return v_; }  ///< m/s
+  /// For restarts and tests. Fixed nodes are fixed where they are put; their velocity becomes zero.
+  void set_state(const VecX& x, const VecX& v);
+  const TissueSolveReport& solve_report() const { return solver_->report(); }
 
   // Body
   Index dofs() const override { return x_.size(); }
@@ -53,6 +58,8 @@ class Tissue : public Component, public SolidBody {
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
+  void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
+  bool compliance_is_exact() const override { return solver_->compliance_is_exact(); }
   void correct(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override;
   Real mass() const override;

@@ -1,4 +1,6 @@
 // What a tissue shows: sums over its state, and fields for recorders.
+#include <Eigen/Eigenvalues>  // operatorNorm
+
 #include "rotation.h"
 #include "tissue.h"
 

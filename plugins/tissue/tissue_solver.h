@@ -6,6 +6,7 @@
 #include <string>
 
 #include "block_matrix.h"
+#include "compliance.h"
 #include "sutura/types.h"
 
 namespace sutura {
@@ -29,7 +30,7 @@ class TissueSolver {
   virtual ~TissueSolver() = default;
 
   /// Before the first step. `fixed`: per node, nonzero if prescribed; copied. `candidates`: nodes
-  /// whose compliance will be asked for.
+  /// whose compliance will be asked for from the start; the others are learnt from `touch`.
   virtual void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                        std::span<const Index> candidates) = 0;
   /// False: `prepare` may be given no rotations.
@@ -40,11 +41,15 @@ class TissueSolver {
   virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) = 0;
   /// columns <- A^-1 columns to the tolerance of the solver; fixed nodes answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) = 0;
-  /// True if every node of `nodes` is a free candidate or fixed, and `compliance_block` may be used.
-  virtual bool has_compliance(std::span<const Index> nodes) const = 0;
-  /// The block of A^-1 that couples candidates i and j, as of the factor in use turned to now: exact
-  /// for a direct solver, approximate (age, deformation) for an asynchronous one.
-  virtual Mat3 compliance_block(Index i, Index j) const = 0;
+  virtual Index nodes() const = 0;
+  virtual bool is_fixed(Index node) const = 0;
+  /// Constraints touch these nodes: their compliance will probably be asked for in the next steps.
+  virtual void touch(std::span<const Index> nodes) = 0;
+  /// As of the factor in use, turned to now: exact for a direct solver, approximate (age,
+  /// deformation) for an asynchronous one. C is null if nothing is known.
+  virtual NodeCompliance compliance() const = 0;
+  /// False if `compliance` is that of an earlier matrix.
+  virtual bool compliance_is_exact() const = 0;
   virtual const TissueSolveReport& report() const = 0;
 };
 

@@ -1,6 +1,8 @@
 // The motion of a tissue in a step. With A = M + h B + h^2 K, B = alpha M + beta K,
 //   A dv = h (f - B v - h K v) + ...  is the same as  A (v + dv) = M v + h f,
 // f the elastic force and weight at the start of the step.
+#include <cassert>
+
 #include "rotation.h"
 #include "tissue.h"
 
@@ -10,6 +12,16 @@ namespace sutura {
 void Tissue::start() {
   solver_->analyse(A_->pattern(), fixed_, {});
   started_ = true;
+}
+
+void Tissue::set_state(const VecX& x, const VecX& v) {
+  assert(x.size() == dofs() && v.size() == dofs());
+  x_ = x_free_ = x;
+  v_ = v_free_ = v;
+  for (std::size_t i = 0; i < fixed_.size(); ++i)
+    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
+  for (const Configuration c : {Configuration::current, Configuration::free})
+    queries_[static_cast<std::size_t>(c)].move(c == Configuration::current ? x_ : x_free_);
 }
 
 void Tissue::free_motion(const StepContext& context) {
@@ -34,6 +46,10 @@ void Tissue::free_motion(const StepContext& context) {
 }
 
 void Tissue::solve(Eigen::Ref<MatX> columns) const { solver_->solve(columns); }
+
+void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
+  add_tissue_compliance(*solver_, rows, dt, W);
+}
 
 void Tissue::correct(const StepContext& context, const VecX& force) {
   const Real h = context.dt;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 
 #include "app/commands.h"
@@ -6,7 +7,11 @@
 namespace sutura::app {
 
 int report(const Diagnostics& diagnostics) {
-  for (const Diagnostic& d : diagnostics.all()) std::fprintf(stderr, "%s\n", d.text().c_str());
+  constexpr std::size_t most = 100;
+  const auto all = diagnostics.all();
+  for (const Diagnostic& d : all.first(std::min(all.size(), most)))
+    std::fprintf(stderr, "%s\n", d.text().c_str());
+  if (all.size() > most) std::fprintf(stderr, "... and %zu more\n", all.size() - most);
   return diagnostics.exit_code();
 }
 
@@ -40,8 +45,9 @@ int check(const SceneArguments& arguments) {
   const auto simulation = Simulation::compile(std::move(scene), {}, diagnostics);
   if (!simulation) return report(diagnostics);
   report(diagnostics);  // warnings
-  std::printf("%s: ok, %zu components, %zu bodies\n", arguments.scene.c_str(), components,
-              simulation->bodies().size());
+  const std::size_t bodies = simulation->bodies().size();
+  std::printf("%s: ok, %zu component%s, %zu bod%s\n", arguments.scene.c_str(), components,
+              components == 1 ? "" : "s", bodies, bodies == 1 ? "y" : "ies");
   return ok;
 }
 

@@ -1,5 +1,7 @@
 #include "app/reference.h"
 
+#include <algorithm>
+
 #include "scene/attributes.h"
 
 namespace sutura::app {
@@ -43,6 +45,12 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
+/// Up to the first full stop or colon: what fits on a line.
+std::string first_clause(const std::string& text) {
+  const std::size_t end = std::min(text.find(". "), text.find(": "));
+  return end == std::string::npos ? text : text.substr(0, end) + '.';
+}
+
 std::string units_of(const std::string& unit) { return unit == "1" ? "-" : unit; }
 
 }  // namespace
@@ -79,7 +87,7 @@ std::string plain_index(const Registry& registry) {
     plugin = info->plugin;
     out += "  " + info->name;
     out.append(info->name.size() < 18 ? 18 - info->name.size() : 1, ' ');
-    out += info->summary + '\n';
+    out += first_clause(info->summary) + '\n';
   }
   return out;
 }

@@ -114,6 +114,10 @@ std::optional<Unit> parse_unit(std::string_view text, std::string& error) {
       error = "'" + std::string(text) + "' is not a unit: a factor is missing";
       return std::nullopt;
     }
+    if (any && name == "1") {
+      error = "'" + std::string(text) + "' is not a unit: 1 stands at its beginning only";
+      return std::nullopt;
+    }
     const std::optional<Unit> symbol = find_symbol(name);
     if (!symbol) {
       error = unknown_symbol(name);

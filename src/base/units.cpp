@@ -75,6 +75,13 @@ std::optional<Real> decimal(std::string_view number, int power) {
   return value;
 }
 
+/// "mm 2 mm": somebody gave every number a unit of its own. The factor 1 of "1/s" is no number.
+bool has_number_after_blank(std::string_view text) {
+  for (std::size_t i = 1; i < text.size(); ++i)
+    if (is_blank(text[i - 1]) && number_length(text.substr(i)) > 0) return true;
+  return false;
+}
+
 /// What to say when the text should start with a number and does not.
 std::string not_a_number(std::string_view text) {
   if (text.empty()) return "the value is empty; a number was expected";
@@ -93,6 +100,11 @@ std::optional<Unit> expected_unit(std::string_view text, std::string_view si_uni
   if (text.empty()) return Unit{expected->dimension, 0, 1};
   if (text.front() == ',') {
     error = quoted(whole) + " is not a number; the decimal sign is a point";
+    return std::nullopt;
+  }
+  const bool is_reciprocal = text.front() == '1' && trim(text.substr(1)).starts_with('/');
+  if (number_length(text) > 0 && !is_reciprocal) {
+    error = quoted(whole) + " has more than one number";
     return std::nullopt;
   }
   const std::optional<Unit> unit = parse_unit(text, why);
@@ -163,6 +175,10 @@ std::optional<std::vector<Real>> parse_quantities(std::string_view text, std::st
   }
   if (numbers.empty()) {
     error = text.empty() ? "the value is empty; numbers were expected" : not_a_number(text);
+    return std::nullopt;
+  }
+  if (rest.find_first_of(".,;") != std::string_view::npos || has_number_after_blank(rest)) {
+    error = quoted(text) + ": one unit, at the end, holds for the whole list";
     return std::nullopt;
   }
   const std::optional<Unit> unit = expected_unit(rest, si_unit, text, error);

@@ -6,22 +6,6 @@
 
 namespace sutura {
 
-namespace {
-
-/// Irreversible events wait for forces that are converged at least this well (in units of the blocks): fired on transient
-/// forces they end in wrong states (algorithms.md, finding 4).
-constexpr Real event_gate = 1e-3;
-
-/// Direct steps in a row before sweeps get another turn.
-constexpr int steps_in_a_row = 12;
-
-void update_delta(ConstraintProblem& problem) {
-  problem.delta = problem.d_free;
-  problem.delta.noalias() += problem.W * problem.lambda;
-}
-
-}  // namespace
-
 /// A new order for every sweep: good whatever the graph of contacts (algorithms.md, finding 5). Seeded per solve, so that
 /// the result depends on the problem and the seed alone.
 void BlockGaussSeidel::shuffle() {
@@ -63,16 +47,6 @@ void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {
   last_gradient_ = gradient;
 }
 
-Index BlockGaussSeidel::fire_events(ConstraintProblem& problem) const {
-  Index fired = 0;
-  for (ConstraintBlock& b : problem.blocks)
-    if (b.law->event != nullptr &&
-        b.law->event(problem.block_params(b), problem.delta.data() + b.first_row, &b.mode,
-                     problem.lambda.data() + b.first_row))
-      ++fired;
-  return fired;
-}
-
 /// Counted in multiplications: the sweeps still needed at the present rate against one factorisation.
 bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index free, Real before,
                                         Real now) const {
@@ -80,34 +54,6 @@ bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index 
   const Real rate = std::clamp(now / before, Real(1e-3), Real(0.9999));
   const Real sweeps_left = std::log(options_.tolerance / now) / std::log(rate);
   return sweeps_left * n * n > f * f * f / 6 + f * n + 2 * n * n;
-}
-
-/// Newton over the laws' tangents, as long as it gets somewhere; leaves the best point met.
-Residual BlockGaussSeidel::direct_steps(ConstraintProblem& problem, Residual residual,
-                                        SolveReport& report) {
-  Residual best = residual;
-  Real previous = residual.value;
-  best_lambda_ = problem.lambda;
-  for (int step = 0; step < steps_in_a_row; ++step) {
-    if (step > 0) {
-      subspace_.gather(problem, diagonal_, lambda_plus_);
-      // Same tangents twice: what is left is rounding.
-      if (subspace_.unchanged() && residual.value > 0.5 * previous) break;
-      previous = residual.value;
-    }
-    if (!subspace_.solve(problem, lambda_plus_)) break;
-    ++report.direct_solves;
-    residual = natural_map(problem, diagonal_, lambda_plus_);
-    if (!std::isfinite(residual.value)) break;
-    if (residual.value < best.value) {
-      best = residual;
-      best_lambda_ = problem.lambda;
-    }
-    if (residual.value <= options_.tolerance) break;
-  }
-  problem.lambda = best_lambda_;
-  update_delta(problem);
-  return natural_map(problem, diagonal_, lambda_plus_);
 }
 
 SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
@@ -155,7 +101,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
       const Index free = subspace_.gather(problem, diagonal_, lambda_plus_);
       if (direct_step_pays(problem, free, before, residual.value)) {
         const Real swept = residual.value;
-        residual = direct_steps(problem, residual, report);
+        residual = subspace_.newton(problem, diagonal_, residual, options_.tolerance, lambda_plus_,
+                                    report.direct_solves);
         // Modes were not right yet: let sweeps find them, longer each time.
         wait = residual.value < 0.1 * swept ? 1 : 2 * wait;
         pause = wait;

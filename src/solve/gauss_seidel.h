@@ -34,16 +34,14 @@ class BlockGaussSeidel {
   void shuffle();
   void sweep(ConstraintProblem& problem);
   void conjugate(ConstraintProblem& problem);
-  Index fire_events(ConstraintProblem& problem) const;
   bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
-  Residual direct_steps(ConstraintProblem& problem, Residual residual, SolveReport& report);
 
   GaussSeidelOptions options_;
   DiagonalBlocks diagonal_;
   SubspaceStep subspace_;
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;
-  VecX lambda_plus_, best_lambda_;
+  VecX lambda_plus_;
   VecX before_, search_;        // NNCG
   Real last_gradient_ = 0;
 };

@@ -53,4 +53,14 @@ Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
   return residual;
 }
 
+Index fire_events(ConstraintProblem& problem) {
+  Index fired = 0;
+  for (ConstraintBlock& b : problem.blocks)
+    if (b.law->event != nullptr &&
+        b.law->event(problem.block_params(b), problem.delta.data() + b.first_row, &b.mode,
+                     problem.lambda.data() + b.first_row))
+      ++fired;
+  return fired;
+}
+
 }  // namespace sutura

@@ -29,6 +29,19 @@ struct Residual {
 /// Asks every law with the present lambda and delta. Updates the reversible modes; lambda is left alone.
 Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus);
 
+/// delta <- W lambda + d_free.
+inline void update_delta(ConstraintProblem& problem) {
+  problem.delta = problem.d_free;
+  problem.delta.noalias() += problem.W * problem.lambda;
+}
+
+/// Fires what is due, all at once; returns how many.
+Index fire_events(ConstraintProblem& problem);
+
+/// Irreversible events wait for forces that are converged at least this well (in units of the blocks): fired on transient
+/// forces they end in wrong states (algorithms.md, finding 4).
+inline constexpr Real event_gate = 1e-3;
+
 /// d = delta - W_cc lambda of one block.
 inline void own_free_violation(int dim, const Real* W, const Real* delta, const Real* lambda,
                                Real* d) {

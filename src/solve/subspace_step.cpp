@@ -112,12 +112,14 @@ bool SubspaceStep::solve(ConstraintProblem& problem, const VecX& lambda_plus) {
     same_ = true;
   }
   y_.resize(f);
+  Real asked = 0;
   for (Index j = 0; j < f; ++j) {
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
     Real r = gap_[j];
     for (std::size_t e = d.first; e < d.end; ++e)
       r += now_.entries[e].test * problem.delta[now_.entries[e].row];
     y_[j] = -r * scale_[j];
+    asked = std::max(asked, std::abs(y_[j]));
   }
   if (symmetric_) {
     const auto L = matrix_.topLeftCorner(f, f);
@@ -134,7 +136,50 @@ bool SubspaceStep::solve(ConstraintProblem& problem, const VecX& lambda_plus) {
   }
   problem.delta = problem.d_free;
   problem.delta.noalias() += problem.W * problem.lambda;
-  return problem.lambda.allFinite();
+
+  // Rows that contradict each other have no solution; the regularised one is huge and must not be taken.
+  Real left = 0;
+  for (Index j = 0; j < f; ++j) {
+    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
+    Real r = gap_[j];
+    for (std::size_t e = d.first; e < d.end; ++e)
+      r += now_.entries[e].test * problem.delta[now_.entries[e].row];
+    for (int k = 0; k < max_block_dim; ++k) {
+      const Index other = j - d.index + k;  // directions of one block are consecutive
+      if (other >= 0 && other < f && now_.directions[static_cast<std::size_t>(other)].block == d.block)
+        r += now_.compliance[static_cast<std::size_t>(other) * max_block_dim + static_cast<std::size_t>(d.index)] *
+             y_[other] * scale_[other];
+    }
+    left = std::max(left, std::abs(r) * scale_[j]);
+  }
+  return problem.lambda.allFinite() && left <= 1e-2 * asked;
+}
+
+Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                              Residual residual, Real tolerance, VecX& lambda_plus,
+                              Index& direct_solves) {
+  // Modes that have not settled after this many are left to the caller.
+  constexpr int steps_in_a_row = 12;
+  Residual best = residual;
+  Real previous = residual.value;
+  best_lambda_ = problem.lambda;
+  for (int step = 0; step < steps_in_a_row && residual.value > tolerance; ++step) {
+    gather(problem, diagonal, lambda_plus);
+    // Same tangents twice: what is left is rounding.
+    if (step > 0 && unchanged() && residual.value > 0.5 * previous) break;
+    previous = residual.value;
+    if (!solve(problem, lambda_plus)) break;
+    ++direct_solves;
+    residual = natural_map(problem, diagonal, lambda_plus);
+    if (!std::isfinite(residual.value)) break;
+    if (residual.value < best.value) {
+      best = residual;
+      best_lambda_ = problem.lambda;
+    }
+  }
+  problem.lambda = best_lambda_;
+  update_delta(problem);
+  return natural_map(problem, diagonal, lambda_plus);
 }
 
 }  // namespace sutura

@@ -28,6 +28,11 @@ class SubspaceStep {
   /// lambda <- the solution on the tangents gathered, delta <- W lambda + d_free. False if no factor exists.
   bool solve(ConstraintProblem& problem, const VecX& lambda_plus);
 
+  /// Steps (Newton over the tangents), as long as they get somewhere; leaves the best point met. `residual` and
+  /// lambda_plus are those of natural_map before and after.
+  Residual newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Residual residual,
+                  Real tolerance, VecX& lambda_plus, Index& direct_solves);
+
  private:
   struct Entry {
     Index row;
@@ -53,7 +58,7 @@ class SubspaceStep {
   VecX gap_;
   bool symmetric_ = true, same_ = false, factored_ = false;
   MatX matrix_;  // capacity x capacity; the leading f x f part holds the system, then its factor
-  VecX scale_, y_, column_;
+  VecX scale_, y_, column_, best_lambda_;
   Eigen::PartialPivLU<MatX> lu_;
 };
 

@@ -114,6 +114,19 @@ TEST(Units, ListsShareTheUnitAtTheirEnd) {
     EXPECT_FALSE(parse_quantities(text, "m", error).has_value()) << text;
 }
 
+TEST(Units, ListsSayWhatIsWrong) {
+  std::string error;
+  EXPECT_FALSE(parse_quantities("1 mm 2 mm 3 mm", "m", error));
+  EXPECT_EQ(error, "'1 mm 2 mm 3 mm': one unit, at the end, holds for the whole list");
+  EXPECT_FALSE(parse_quantities("1 2 nan", "m", error));
+  EXPECT_EQ(error, "'1 2 nan': 'nan' is not a unit");
+  EXPECT_EQ(refuse("30 1 kPa", "Pa"), "'30 1 kPa' has more than one number");
+  EXPECT_EQ(refuse("30 1", "1"), "'30 1' has more than one number");
+  EXPECT_EQ(read("30 1 / s", "1/s"), 30);
+  refuse("30 kPa 1", "Pa");
+  EXPECT_EQ(refuse("30 40 kPa", "Pa"), "'30 40 kPa' has more than one number");
+}
+
 TEST(Units, FormattedNumbersReadBackTheSame) {
   for (const Real value : {0.0, -0.0, 1.0, 0.1, 1.0 / 3, 2e-308, 5e-324, 1.7976931348623157e308, -30e3}) {
     const auto back = parse_real(format_real(value));

@@ -158,24 +158,26 @@ TEST(PunctureLaw, PenetratedIsTheOneConsistentCase) {
     p.axis = draw_unit(random);
     p.normal = -p.axis;
     p.cutting_force = i % 4 ? draw_positive(random, -2, 1) : 0;
+    p.drag = i % 3 ? draw_positive(random, -2, 2) : 0;
     Mode mode = PunctureLaw::penetrated;
     const Vec3 lambda = project_twice<PunctureLaw>(W, d, p, mode);
     ASSERT_EQ(mode, PunctureLaw::penetrated);
     // Axial force r given or axial delta given; the two lateral deltas vanish. Lagrange form in world axes.
     const Mat3 across = Mat3::Identity() - p.axis * p.axis.transpose();
-    const auto with_force = [&](Real r) {
-      // across (W lambda + d) = 0, axis . lambda = -r
-      const Mat3 M = across * W + p.axis * p.axis.transpose();
-      return Vec3(M.fullPivLu().solve(-across * d - r * p.axis));
+    const auto with_force = [&](Real r, Real drag) {
+      // across (W lambda + d) = 0, axis . lambda = -(r + drag axis . (W lambda + d))
+      const Mat3 along = p.axis * p.axis.transpose();
+      const Mat3 M = across * W + along + drag * along * W;
+      return Vec3(M.fullPivLu().solve(-across * d - r * p.axis - drag * along * d));
     };
     const Vec3 held = -W.fullPivLu().solve(d);
     const Real r = -p.axis.dot(held);
     int cases = 0;
     Vec3 expected = Vec3::Zero();
     if (r > 0 && r < p.cutting_force) expected = held, ++cases, ++count[0];
-    if (const Vec3 f = with_force(p.cutting_force);
+    if (const Vec3 f = with_force(p.cutting_force, p.drag);
         p.axis.dot(W * f + d) > 0) expected = f, ++cases, ++count[1];
-    if (const Vec3 f = with_force(0); p.axis.dot(W * f + d) < 0) expected = f, ++cases, ++count[2];
+    if (const Vec3 f = with_force(0, 0); p.axis.dot(W * f + d) < 0) expected = f, ++cases, ++count[2];
     ASSERT_EQ(cases, 1) << i;
     ASSERT_LT((lambda - expected).norm(), 1e-9 * (1 + expected.norm())) << i;
   }

@@ -187,8 +187,8 @@ TEST_P(PunctureCurve, FollowsTheClosedForm) {
       EXPECT_EQ(std::get<Real>(o.read(puncture)), Real(layers.puncture.size()));
     }
   }
-  // Zero net force after the needle is out.
-  EXPECT_NEAR(slab.stiffness * slab.u_.norm(), 0, 1e-9);
+  // Zero net force after the needle is out, as exactly as the solver was asked (1e-5 of a force unit of 0.1 N or more).
+  EXPECT_NEAR(slab.stiffness * slab.u_.norm(), 0, 1e-5);
   RecordProperty("worst_error_of_peak", std::to_string(worst / ref.peak()));
 }
 

@@ -16,7 +16,7 @@ class FactorOf : public ::testing::TestWithParam<FactorBackend> {
     testing::assemble(grid, grid.rest, {}, 0.01, A, rotations);
   }
   std::unique_ptr<Factor> factor(std::span<const Index> last = {}) {
-    plan = make_factor_plan(*A.pattern(), grid.fixed, last, GetParam());
+    plan = make_factor_plan(A.pattern(), grid.fixed, last, GetParam());
     return make_factor(plan);
   }
   testing::Grid grid = testing::make_grid(6, 4, 4, 0.005);

@@ -17,7 +17,7 @@ class Conjugate : public ::testing::Test {
  protected:
   void SetUp() override {
     testing::assemble(grid, grid.rest, {}, 0.02, A0, rotations0);
-    plan = make_factor_plan(*A0.pattern(), grid.fixed, {}, default_backend());
+    plan = make_factor_plan(A0.pattern(), grid.fixed, {}, default_backend());
     factor = make_factor(plan);
     ASSERT_TRUE(factor->factorise(A0));
   }

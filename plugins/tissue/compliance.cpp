@@ -1,0 +1,162 @@
+#include "compliance.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "tissue_solver.h"
+
+namespace sutura {
+namespace {
+
+constexpr Index never = std::numeric_limits<Index>::min() / 2;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The columns A^-1 H^T of the rows listed in `outside`, and what they add to W.
+void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vector<Index>& outside,
+                     const std::vector<char>& is_outside, Index dofs, Real dt,
+                     Eigen::Ref<MatX> W) {
+  constexpr std::size_t chunk = 16;  // several right-hand sides share the pass over the factor
+  MatX columns(dofs, static_cast<Index>(std::min(chunk, outside.size())));
+  for (std::size_t first = 0; first < outside.size(); first += chunk) {
+    const std::size_t count = std::min(chunk, outside.size() - first);
+    auto block = columns.leftCols(static_cast<Index>(count));
+    block.setZero();
+    for (std::size_t j = 0; j < count; ++j) {
+      const Index r = outside[first + j];
+      for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e)
+        block.col(static_cast<Index>(j)).segment<3>(3 * rows.node[at(e)]) +=
+            Eigen::Map<const Vec3>(&rows.value[at(3 * e)]);
+    }
+    solver.solve(block);
+    for (std::size_t j = 0; j < count; ++j) {
+      const Index r = outside[first + j];
+      for (Index i = 0; i < rows.size(); ++i) {
+        if (is_outside[at(i)] && i > r) continue;  // that pair belongs to the later column
+        Real w = 0;
+        for (Index e = rows.start[at(i)]; e < rows.start[at(i + 1)]; ++e)
+          w += block.col(static_cast<Index>(j))
+                   .segment<3>(3 * rows.node[at(e)])
+                   .dot(Eigen::Map<const Vec3>(&rows.value[at(3 * e)]));
+        w *= dt * dt;
+        W(rows.row[at(i)], rows.row[at(r)]) += w;
+        if (i != r) W(rows.row[at(r)], rows.row[at(i)]) += w;
+      }
+    }
+  }
+}
+
+/// Rows of candidates only: W += h^2 (H Q) C (H Q)^T.
+void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
+                        const std::vector<char>& is_outside, Real dt, Eigen::Ref<MatX> W) {
+  const MatX& C = *compliance.C;
+  std::vector<Vec3> turned(rows.node.size());  // Q^T h, per entry
+  for (std::size_t e = 0; e < rows.node.size(); ++e) {
+    const Eigen::Map<const Vec3> h(&rows.value[3 * e]);
+    turned[e] = compliance.turn.empty() ? Vec3(h)
+                                        : Vec3(compliance.turn[at(rows.node[e])].transpose() * h);
+  }
+  VecX y(C.rows());
+  for (Index r = 0; r < rows.size(); ++r) {
+    if (is_outside[at(r)]) continue;
+    y.setZero();
+    for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e) {
+      const Index k = compliance.place[at(rows.node[at(e)])];
+      if (k < 0) continue;  // fixed
+      const Vec3& h = turned[at(e)];
+      y += C.col(3 * k) * h.x() + C.col(3 * k + 1) * h.y() + C.col(3 * k + 2) * h.z();
+    }
+    for (Index i = 0; i <= r; ++i) {
+      if (is_outside[at(i)]) continue;
+      Real w = 0;
+      for (Index e = rows.start[at(i)]; e < rows.start[at(i + 1)]; ++e) {
+        const Index k = compliance.place[at(rows.node[at(e)])];
+        if (k >= 0) w += y.segment<3>(3 * k).dot(turned[at(e)]);
+      }
+      w *= dt * dt;
+      W(rows.row[at(i)], rows.row[at(r)]) += w;
+      if (i != r) W(rows.row[at(r)], rows.row[at(i)]) += w;
+    }
+  }
+}
+
+}  // namespace
+
+void Candidates::reset(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+                       std::span<const Index> from_the_start) {
+  pattern_ = std::move(pattern);
+  const std::size_t n = at(pattern_->nodes());
+  fixed_.assign(n, 0);
+  std::copy(fixed.begin(), fixed.end(), fixed_.begin());
+  touched_at_.assign(n, never);
+  is_chosen_.assign(n, 0);
+  chosen_.clear();
+  full_until_ = never;
+  for (const Index i : from_the_start)
+    if (!fixed_[at(i)] && !is_chosen_[at(i)]) {
+      is_chosen_[at(i)] = 1;
+      chosen_.push_back(i);
+    }
+  outgrown_ = false;
+}
+
+void Candidates::touch(std::span<const Index> nodes, Index step) {
+  for (const Index i : nodes) {
+    touched_at_[at(i)] = step;
+    if (!is_chosen_[at(i)] && !fixed_[at(i)] && step >= full_until_) outgrown_ = true;
+  }
+}
+
+void Candidates::choose(Index step) {
+  chosen_.clear();
+  is_chosen_.assign(is_chosen_.size(), 0);
+  for (Index i = 0; i < pattern_->nodes(); ++i)
+    if (touched_at_[at(i)] >= step - memory && !fixed_[at(i)]) chosen_.push_back(i);
+  std::stable_sort(chosen_.begin(), chosen_.end(), [&](Index a, Index b) {
+    return touched_at_[at(a)] > touched_at_[at(b)];
+  });
+  if (static_cast<Index>(chosen_.size()) >= limit) {
+    chosen_.resize(at(limit));
+    full_until_ = step + memory;
+  }
+  for (const Index i : chosen_) is_chosen_[at(i)] = 1;
+
+  // A contact that moves goes to a neighbour next.
+  const auto touched = chosen_;
+  const auto grow = [&](Index i) {
+    if (static_cast<Index>(chosen_.size()) >= limit || is_chosen_[at(i)] || fixed_[at(i)]) return;
+    is_chosen_[at(i)] = 1;
+    chosen_.push_back(i);
+  };
+  std::vector<char> is_touched(is_chosen_);
+  for (Index i = 0; i < pattern_->nodes(); ++i)
+    for (std::int32_t k = pattern_->row_start()[at(i)] + 1; k < pattern_->row_start()[at(i + 1)]; ++k) {
+      const Index j = pattern_->column()[at(k)];
+      if (is_touched[at(i)]) grow(j);
+      if (is_touched[at(j)]) grow(i);
+    }
+  outgrown_ = false;
+}
+
+Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
+                            Eigen::Ref<MatX> W) {
+  if (rows.size() == 0) return 0;
+  solver.touch(rows.node);
+  const NodeCompliance compliance = solver.compliance();
+  std::vector<char> is_outside(at(rows.size()), 0);
+  std::vector<Index> outside;
+  for (Index r = 0; r < rows.size(); ++r) {
+    for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e) {
+      const Index node = rows.node[at(e)];
+      if (!compliance.C || (compliance.place[at(node)] < 0 && !solver.is_fixed(node)))
+        is_outside[at(r)] = 1;
+    }
+    if (is_outside[at(r)]) outside.push_back(r);
+  }
+  if (compliance.C) add_candidate_rows(compliance, rows, is_outside, dt, W);
+  if (!outside.empty())
+    add_solved_rows(solver, rows, outside, is_outside, 3 * solver.nodes(), dt, W);
+  return static_cast<Index>(outside.size());
+}
+
+}  // namespace sutura

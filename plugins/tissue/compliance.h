@@ -1,0 +1,58 @@
+// The compliance of a tissue seen by constraints: W = h^2 H A^-1 H^T.
+//
+// Nodes that are touched are eliminated last, so the last Schur block of the factor is the inverse of
+// their compliance C, and C comes with the factor, made by the worker. W is then H Q C Q^T H^T, with
+// Q the rotation of the material since the factor was made: no solve in the step. Nodes outside are
+// solved for until the next factor includes them.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "block_matrix.h"
+#include "sutura/body.h"
+#include "sutura/types.h"
+
+namespace sutura {
+
+class TissueSolver;
+
+/// A^-1 between the candidates: A^-1(i, j) ~ Q_i C(i, j) Q_j^T.
+struct NodeCompliance {
+  const MatX* C = nullptr;       ///< 3 candidates square; axes of the factor
+  std::span<const Index> place;  ///< per node: its place in C, -1 if it is no candidate
+  std::span<const Mat3> turn;    ///< per node: Q; empty: the identity
+};
+
+/// Which nodes to eliminate last: those touched lately and their neighbours.
+class Candidates {
+ public:
+  static constexpr Index memory = 50;  ///< steps for which a touch is remembered
+  static constexpr Index limit = 400;  ///< C of 400 nodes is 11 MB and takes 40 ms of the worker
+
+  void reset(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
+             std::span<const Index> from_the_start);
+  void touch(std::span<const Index> nodes, Index step);
+  /// True if a free node was touched that is not in `chosen`, and there is room for it.
+  bool outgrown() const { return outgrown_; }
+  const std::vector<Index>& chosen() const { return chosen_; }
+  /// Chooses anew: touched nodes first, the latest before the others, then their neighbours.
+  void choose(Index step);
+
+ private:
+  std::shared_ptr<const NodePattern> pattern_;
+  std::vector<char> fixed_;
+  std::vector<char> is_chosen_;
+  std::vector<Index> chosen_;
+  std::vector<Index> touched_at_;  ///< per node, step of the last touch
+  bool outgrown_ = false;
+  Index full_until_ = -1;  ///< step; before it a new choice could not hold more touched nodes
+};
+
+/// W += h^2 H A^-1 H^T over the rows of one body. Returns the number of rows that had to be solved for
+/// because they touch nodes outside the candidates.
+Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
+                            Eigen::Ref<MatX> W);
+
+}  // namespace sutura

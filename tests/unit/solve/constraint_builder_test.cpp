@@ -1,0 +1,175 @@
+// H, W and warm starts as the builder makes them, against dense algebra written out here.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "small_world.h"
+#include "sutura/laws/bilateral.h"
+#include "sutura/laws/coulomb.h"
+#include "sutura/laws/unilateral.h"
+
+using namespace sutura;
+using namespace sutura::test;
+
+namespace {
+
+MatX random_matrix(Index rows, Index cols, std::mt19937_64& random) {
+  std::normal_distribution<Real> normal;
+  MatX m(rows, cols);
+  for (Real& x : m.reshaped()) x = normal(random);
+  return m;
+}
+
+MatX dense(const BodyRows& rows, Index all, Index dofs) {
+  MatX H = MatX::Zero(all, dofs);
+  for (std::size_t i = 0; i < rows.row.size(); ++i)
+    for (Index e = rows.start[i]; e < rows.start[i + 1]; ++e)
+      for (int k = 0; k < rows.width; ++k)
+        H(rows.row[i], rows.node[static_cast<std::size_t>(e)] * rows.width + k) +=
+            rows.value[static_cast<std::size_t>(e * rows.width + k)];
+  return H;
+}
+
+struct Fixture : ::testing::Test {
+  std::mt19937_64 random{11};
+  PointMasses a{6, 0.01}, b{4, 0.002};
+  Fixture() {
+    for (int i = 0; i + 1 < 6; ++i) a.add_spring(i, i + 1, Vec3(1, 2, 2) / 3, 50.0 * (i + 1));
+    for (int i = 0; i < 4; ++i) b.add_spring(i, i % 3, 20);
+  }
+};
+
+TEST_F(Fixture, RowsAndComplianceEqualTheDenseProducts) {
+  SmallWorld world({&a, &b}, 0.01);
+  // Three blocks; the second couples body a twice, once at a node it already has; the order of couplings is mixed.
+  const MatX D1 = random_matrix(1, 3, random), D2 = random_matrix(3, 3, random),
+             D3 = random_matrix(3, 3, random), D4 = random_matrix(2, 3, random),
+             D5 = random_matrix(3, 3, random), D6 = random_matrix(2, 3, random);
+  MatX Ha = MatX::Zero(6, 18), Hb = MatX::Zero(6, 12);
+  Ha.block(0, 0, 1, 3) = D1;
+  Ha.block(1, 6, 3, 3) = D2 + D3;
+  Ha.block(1, 15, 3, 3) = D5;
+  Hb.block(1, 3, 3, 3) = -D2;
+  Hb.block(4, 9, 2, 3) = D4;
+  Ha.block(4, 12, 2, 3) = D6;
+  world.step([&](ConstraintBuilder& builder) {
+    const BlockId one = builder.add<Unilateral>({1}, {}, BlockVector<1>(0.0));
+    const BlockId two = builder.add<Coulomb>({2}, {.mu = 0.3}, Vec3(0, 0, 0));
+    const BlockId three = builder.add<Bilateral<2>>({3}, {}, Vec2(0, 0));
+    world.couple(two, a, 2, D2);
+    world.couple(three, b, 3, D4);
+    world.couple(two, b, 1, -D2);
+    world.couple(one, a, 0, D1);
+    world.couple(two, a, 5, D5);
+    world.couple(three, a, 4, D6);
+    world.couple(two, a, 2, D3);
+  });
+  EXPECT_EQ(world.problem.rows(), 6);
+  EXPECT_LT((dense(world.problem.bodies[0], 6, 18) - Ha).norm(), 1e-15);
+  EXPECT_LT((dense(world.problem.bodies[1], 6, 12) - Hb).norm(), 1e-15);
+  // Equal nodes of one block are merged: 1 + 3 * 2 + 2 entries on body a.
+  EXPECT_EQ(world.problem.bodies[0].node.size(), 9u);
+
+  const auto inverse = [](const Body& body) {
+    MatX I = MatX::Identity(body.dofs(), body.dofs());
+    body.solve(I);
+    return I;
+  };
+  const MatX W = 1e-4 * (Ha * inverse(a) * Ha.transpose() + Hb * inverse(b) * Hb.transpose());
+  EXPECT_LT((world.problem.W - W).norm(), 1e-13 * W.norm());
+  EXPECT_EQ(world.problem.W, MatX(world.problem.W.transpose()));  // to the last bit
+
+  VecX lambda = random_matrix(6, 1, random), f = VecX::Zero(18);
+  world.problem.bodies[0].add_transposed(lambda, f);
+  EXPECT_LT((f - Ha.transpose() * lambda).norm(), 1e-14 * f.norm());
+
+  // The first coupling says where and on whom the force is drawn.
+  world.problem.lambda = lambda;
+  EXPECT_LT((world.problem.block_force(world.problem.blocks[1]) - D2.transpose() * lambda.segment<3>(1)).norm(), 1e-14);
+}
+
+TEST_F(Fixture, ManyRowsGoThroughSeveralChunks) {
+  SmallWorld world({&a, &b}, 0.02);
+  MatX H = MatX::Zero(60, 18);
+  std::vector<MatX> directions;
+  for (int i = 0; i < 20; ++i) {
+    directions.push_back(random_matrix(3, 3, random));
+    H.block(3 * i, 3 * (i % 6), 3, 3) = directions.back();
+  }
+  world.step([&](ConstraintBuilder& builder) {
+    for (int i = 0; i < 20; ++i) {
+      const BlockId id = builder.add<Bilateral<3>>({std::uint64_t(i)}, {.compliance = 1}, Vec3::Zero());
+      world.couple(id, a, i % 6, directions[static_cast<std::size_t>(i)]);
+    }
+  });
+  MatX inverse = MatX::Identity(18, 18);
+  a.solve(inverse);
+  const MatX W = 4e-4 * H * inverse * H.transpose();
+  EXPECT_LT((world.problem.W - W).norm(), 1e-13 * W.norm());
+}
+
+TEST_F(Fixture, WarmStartFollowsTheKeyNotThePlace) {
+  SmallWorld world({&a, &b}, 0.01);
+  const auto build = [&](std::vector<std::uint64_t> keys) {
+    return [&world, this, keys](ConstraintBuilder& builder) {
+      for (const std::uint64_t key : keys) {
+        const BlockId id = builder.add<Bilateral<1>>({key}, {.compliance = 1}, BlockVector<1>(1e-3 * Real(key)));
+        world.couple(id, a, static_cast<Index>(key % 6), Vec3(1, 0, 0).transpose());
+      }
+    };
+  };
+  world.step(build({5, 1, 9}));
+  const VecX first = world.problem.lambda;
+  world.builder.begin();
+  build({9, 7, 5})(world.builder);
+  // Same key as block 1, another law: not its heir.
+  world.builder.add<Unilateral>({1}, {}, BlockVector<1>(0.0));
+  world.builder.finish();
+  EXPECT_EQ(world.problem.lambda[0], first[2]);
+  EXPECT_EQ(world.problem.lambda[1], 0);
+  EXPECT_EQ(world.problem.lambda[2], first[0]);
+  EXPECT_EQ(world.problem.lambda[3], 0);
+}
+
+TEST_F(Fixture, NothingIsAllocatedOnceWarm) {
+  SmallWorld world({&a, &b}, 0.01);
+  const auto build = [&](ConstraintBuilder& builder) {
+    for (int i = 0; i < 30; ++i) {
+      const BlockId id = builder.add<Coulomb>({std::uint64_t(i)}, {.mu = 0.1}, Vec3(1, 0, 0));
+      world.couple(id, a, i % 6, Mat3::Identity());
+      world.couple(id, b, i % 4, -Mat3::Identity());
+    }
+  };
+  world.step(build);
+  world.step(build);
+  const auto* blocks = world.problem.blocks.data();
+  const auto* params = world.problem.params.data();
+  const Real* lambda = world.problem.lambda.data();
+  const Real* value = world.problem.bodies[0].value.data();
+  world.builder.begin();
+  build(world.builder);
+  world.builder.finish();
+  EXPECT_EQ(blocks, world.problem.blocks.data());
+  EXPECT_EQ(params, world.problem.params.data());
+  EXPECT_EQ(lambda, world.problem.lambda.data());
+  EXPECT_EQ(value, world.problem.bodies[0].value.data());
+}
+
+TEST_F(Fixture, ForcesOfACouplingAreOppositeAndMomentumIsKept) {
+  // Two bodies held together at a point: what one gets the other gives (1e-10 of the force), whatever the solver leaves.
+  PointMasses one(3, 0.01), two(2, 0.03);
+  for (Index i = 0; i < one.v.size(); ++i) one.v[i] = 0.1 * std::sin(Real(i) + 1);
+  SmallWorld world({&one, &two}, 0.01);
+  world.solver.options() = {.tolerance = 1e-4};
+  const Vec3 before = one.momentum() + two.momentum();
+  for (int step = 0; step < 20; ++step)
+    world.step([&](ConstraintBuilder& builder) {
+      const Vec3 gap = one.position(node(1), Configuration::free) - two.position(node(0), Configuration::free);
+      const BlockId id = builder.add<Bilateral<3>>({1}, {}, gap);
+      world.couple(id, one, 1, Mat3::Identity());
+      world.couple(id, two, 0, -Mat3::Identity());
+    });
+  EXPECT_LT((one.momentum() + two.momentum() - before).norm(), 1e-13 * before.norm() + 1e-16);
+}
+
+}  // namespace
