@@ -17,6 +17,9 @@
 
 namespace sutura {
 
+/// t4: corotational linear tets. smoothed: the same tets, cured of locking (smoothed_t4.h).
+enum class TissueElement { t4, smoothed };
+
 class Tissue : public Component, public SolidBody {
  public:
   static constexpr const char* interface_name = "Tissue";
@@ -26,6 +29,7 @@ class Tissue : public Component, public SolidBody {
   Real density = 1000;
   Real damping_mass = 0;
   Real damping_stiffness = 0;
+  TissueElement element = TissueElement::t4;
   Link<TetMesh> mesh;
   Link<TissueSolver> solver;
 

@@ -78,7 +78,13 @@ TEST_F(CommandLine, AFolderThatCannotBeWrittenIsThree) {
 }
 
 TEST_F(CommandLine, DivergenceIsFourAndLosesNothing) {
-  const Outcome out = command("run " + probe + " --steps 50 --set '.gravity=0 0 -1e308'" + output());
+  // A mass and a gravity whose product is no number any more.
+  const std::string file = scene(
+      "<sutura version=\"1\" gravity=\"0 0 -1e308\" duration=\"1 s\">"
+      "<plugin name=\"tissue\"/><plugin name=\"output\"/>"
+      "<TetMesh file=\"" SUTURA_SOURCE_DIR "/scenes/meshes/block.msh\" unit=\"mm\"/>"
+      "<Tissue density=\"1e20\"/><CsvProbe columns=\"/tissue.lowest\"/></sutura>");
+  const Outcome out = command("run " + file + output());
   EXPECT_EQ(out.code, 4) << out.text;
   EXPECT_NE(out.text.find("diverged: the state is no longer finite"), std::string::npos) << out.text;
   EXPECT_GE(lines(csv()), 2);
