@@ -55,6 +55,8 @@ struct BodyRows {
   Index size() const { return static_cast<Index>(row.size()); }
   /// force += H^T lambda; lambda over all rows of the problem, force over the dofs of the body.
   void add_transposed(const VecX& lambda, VecX& force) const;
+  /// delta += H u; u over the dofs of the body, delta over all rows of the problem.
+  void add_product(const VecX& u, VecX& delta) const;
 };
 
 /// Geometry and fields for recorders.
@@ -94,6 +96,9 @@ class Body {
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
   /// row; a body that knows better overrides it.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
+  /// False if add_compliance approximates: the step then checks what lambda does by `solve`, and
+  /// solves the constraints once more if W was too far off.
+  virtual bool compliance_is_exact() const { return true; }
 
   /// Stage correct: adds the constraint force (N, N m; size dofs) to the free motion and moves the
   /// body to the end of the step.

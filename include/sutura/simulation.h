@@ -24,6 +24,9 @@ struct StepReport {
   Index blocks = 0;
   Index rows = 0;
   SolveReport solve;
+  /// What W said about lambda against what the bodies did, worst row after the last pass (m). Zero if
+  /// every body answers exactly.
+  Real compliance_error = 0;
   bool finite = true;
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
@@ -83,6 +86,8 @@ class Simulation {
 
  private:
   Simulation();
+  bool has_approximate_body() const;
+  void check_compliance(const StepContext& context);
   std::unique_ptr<Scene> scene_;
   std::vector<NamedBody> bodies_;
   std::vector<Driver*> drivers_;

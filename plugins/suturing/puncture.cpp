@@ -28,12 +28,15 @@ void Puncture::describe(Describe<Puncture>& d) {
               "One threshold per tag in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", at_least(0),
               "Coulomb coefficient of the tip on the surface before it goes through.");
-  d.output("force", "N", "Force of the surface on the tip, along the normal.",
+  d.output("force", "N", "Force of the surface on the tip: along the normal while it presses, along the needle in the step in which it goes through.",
            [](const Puncture& p) { return p.force_; });
   d.output("peak_force", "N", "Largest force along the normal so far.",
            [](const Puncture& p) { return p.peak_force_; });
   d.output("punctures", "1", "Times the tip has gone through a surface.",
            [](const Puncture& p) { return Real(p.count_); });
+  d.output("overruns", "1",
+           "Times the tip was found inside without a puncture: the mesh is too coarse for the indentation.",
+           [](const Puncture& p) { return Real(p.overruns_); });
   d.output("state", "", "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or tenting (a surface from inside).",
            [](const Puncture& p) -> std::string {
              if (p.front_ == Front::none || p.force_ <= 0) return "free";
@@ -74,8 +77,14 @@ Puncture::Front Puncture::find_entry() {
   const Real motion = (thread.point(0, Configuration::free) - tip).norm();
   const auto hit =
       path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
-  if (!hit) return Front::none;
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
+  const bool deep = !hit || hit->distance < -path_->spacing();
+  if (deep && path_->tissue().locate(tip, Configuration::current)) {
+    // An indentation deeper than the elements can follow turns them inside out, and the tip is in without a puncture.
+    touched_ = *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
+    return Front::overrun;
+  }
+  if (!hit) return Front::none;
   touched_ = *hit;
   return Front::entry;
 }
@@ -140,7 +149,7 @@ bool Puncture::has_threshold(int region) const {
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   block_ = {};
   force_ = 0;
-  if (front_ == Front::none) return;
+  if (front_ == Front::none || front_ == Front::overrun) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const int region = tissue.region(touched_.at);
@@ -156,6 +165,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
   params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
+  params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
 
   const Vec3 free = thread.point(0, Configuration::free) -
@@ -172,20 +182,24 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
+  if (front_ == Front::overrun) {
+    ++overruns_;
+    begin_bite();
+  }
   if (!block_.valid()) return;
-  force_ = touched_.normal.dot(solved.force(block_));
   if (solved.mode(block_) != PunctureLaw::penetrated) {
+    force_ = touched_.normal.dot(solved.force(block_));
     peak_force_ = std::max(peak_force_, force_);
     return;
   }
+  force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
   // The force of this step is the one after the fall; it fell from the threshold, where the event fires.
   peak_force_ = std::max(peak_force_, threshold_here_);
   ++count_;
   Channel& channel = path_->channel();
   switch (front_) {
     case Front::entry:
-      channel.enter(touched_.at);
-      region_ = path_->tissue().region(touched_.at);
+      begin_bite();
       break;
     case Front::layer:
       region_ = path_->tissue().region(touched_.at);
@@ -194,8 +208,14 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
       if (channel.tip_inside()) channel.leave(touched_.at);
       break;
     case Front::none:
+    case Front::overrun:
       break;
   }
+}
+
+void Puncture::begin_bite() {
+  path_->channel().enter(touched_.at);
+  region_ = path_->tissue().region(touched_.at);
 }
 
 }  // namespace sutura

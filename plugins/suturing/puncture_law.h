@@ -15,8 +15,8 @@
 //                force after the puncture does not depend on the step
 //
 // The way out is the same law seen from inside: the source passes the reversed outward normal (the
-// side where the tip is), the threshold of the exit, and fc = 0, because nothing is left to be cut in
-// front of the tip. A layer under another one is an entry whose normal is the axis of the needle.
+// side where the tip is), the threshold of the exit, fc = 0, because nothing is left to be cut in front
+// of the tip, and no hold, because the channel behind the tip holds the shaft already. A layer under another one is an entry whose normal is the axis of the needle.
 //
 // The rows stay in one fixed basis, so that the law can change its directions inside a solve. Source:
 // the paper's section on puncture; algorithms.md B.6.
@@ -38,6 +38,7 @@ struct PunctureLaw {
     Real cutting_force = 0;   ///< fc, N
     Real friction = 0;        ///< mu
     Real drag = 0;            ///< k, N/m
+    bool hold = true;         ///< whether the hole holds the shaft once through
   };
   static constexpr Mode pressing = 0;
   static constexpr Mode penetrated = 1;
@@ -61,15 +62,16 @@ struct PunctureLaw {
       out.move << R.col(1), R.col(2), R.col(0);
       out.test = out.move;
       out.count = 2;
-      if (force[0] >= 0) return;
-      if (below(-force[0], p.cutting_force)) {
+      const bool stopped = force[0] < 0 && below(-force[0], p.cutting_force);
+      if (stopped) {
         out.count = 3;
-      } else if (p.drag > 0) {
+      } else if (force[0] < 0 && p.drag > 0) {
         // r = fc + k a: a spring about the level.
         out.count = 3;
         out.gap[2] = (force[0] + p.cutting_force) / p.drag;
         out.compliance(2, 2) = 1 / p.drag;
       }
+      if (!p.hold) keep_axial(out);
       return;
     }
     FreeDirections<3> local;
@@ -97,10 +99,20 @@ struct PunctureLaw {
     return R;
   }
 
+  /// Drops the two directions across the axis.
+  static void keep_axial(FreeDirections<3>& out) {
+    out.count -= 2;
+    out.move.col(0) = out.move.col(2);
+    out.test = out.move;
+    out.gap[0] = out.gap[2];
+    out.compliance(0, 0) = out.compliance(2, 2);
+  }
+
   /// Rows: along the axis, across, across.
   static void project_penetrated(const Mat3& A, const Vec3& d, const Params& p, Vec3& force) {
     // The axial row with the lateral rows eliminated is a clamp of its own: one pass is exact.
-    const BlockMatrix<2> inverse = A.block<2, 2>(1, 1).inverse();
+    const BlockMatrix<2> inverse =
+        p.hold ? BlockMatrix<2>(A.block<2, 2>(1, 1).inverse()) : BlockMatrix<2>::Zero();
     const Vec2 coupling = A.block<2, 1>(1, 0);
     const Real w = A(0, 0) - coupling.dot(inverse * coupling);
     const Real advance = d[0] - coupling.dot(inverse * d.tail<2>());

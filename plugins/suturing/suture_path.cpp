@@ -97,10 +97,8 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     const Crossing& c = crossings_[i];
     const bool is_end = i == sample_crossings_;
     if (is_end && !hold_end) break;
-    // A sample made a moment ago repeats the rows of the end, or of the surface that the tip tents: two rows for one thing
-    // fight each other.
-    const bool at_tip = !is_end && channel_->samples()[c.sample].abscissa < 0.3 * spacing_;
-    if (at_tip && channel_->tip_at_end()) continue;
+    // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each other.
+    if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < 0.3 * spacing_) continue;
     const BlockId block = builder.add<Bilateral<2>>(make_key(source_id_, c.id), {},
                                                     BlockVector<2>(c.free.tail<2>()));
     const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();

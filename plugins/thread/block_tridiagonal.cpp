@@ -1,19 +1,21 @@
 #include "block_tridiagonal.h"
 
 #include <cassert>
+#include <cmath>
 
 namespace sutura::thread {
 
 namespace {
 
-/// Inverse of a symmetric 3 x 3 by cofactors; false unless all leading minors are positive.
-inline bool invert3(const Mat3& a, Mat3& inv) {
+/// Inverse of a symmetric 3 x 3 by cofactors; false unless all leading minors are positive (or, if
+/// indefinite ones are welcome, unless it is regular).
+inline bool invert3(const Mat3& a, Mat3& inv, bool indefinite) {
   const Real c00 = a(1, 1) * a(2, 2) - a(1, 2) * a(1, 2);
   const Real c01 = a(0, 2) * a(1, 2) - a(0, 1) * a(2, 2);
   const Real c02 = a(0, 1) * a(1, 2) - a(0, 2) * a(1, 1);
   const Real c22 = a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
   const Real det = a(0, 0) * c00 + a(0, 1) * c01 + a(0, 2) * c02;
-  if (!(a(0, 0) > 0 && c22 > 0 && det > 0)) return false;
+  if (!(a(0, 0) > 0 && c22 > 0 && det > 0) && !(indefinite && std::isnormal(det))) return false;
   const Real f = 1 / det;
   inv(0, 0) = c00 * f;
   inv(0, 1) = inv(1, 0) = c01 * f;
@@ -25,13 +27,13 @@ inline bool invert3(const Mat3& a, Mat3& inv) {
 }
 
 /// Inverse of a symmetric 6 x 6 through its 3 x 3 blocks.
-inline bool invert6(const Mat6& s, Mat6& inv) {
+inline bool invert6(const Mat6& s, Mat6& inv, bool indefinite) {
   const Mat3 a = s.topLeftCorner<3, 3>(), b = s.topRightCorner<3, 3>();
   Mat3 ai, ci;
-  if (!invert3(a, ai)) return false;
+  if (!invert3(a, ai, indefinite)) return false;
   const Mat3 w = ai * b;
   const Mat3 c = s.bottomRightCorner<3, 3>() - b.transpose() * w;
-  if (!invert3(c, ci)) return false;
+  if (!invert3(c, ci, indefinite)) return false;
   const Mat3 wc = w * ci;
   inv.topLeftCorner<3, 3>() = ai + wc * w.transpose();
   inv.topRightCorner<3, 3>() = -wc;
@@ -60,11 +62,11 @@ void BlockTridiagonal::fix(Index i, Index dof) {
   if (i > 0) upper_[i - 1].col(dof).setZero();
 }
 
-bool BlockTridiagonal::factor() {
+bool BlockTridiagonal::factor(bool indefinite) {
   const Index n = blocks();
   Mat6 s = diagonal_[0];
   for (Index i = 0;; ++i) {
-    if (!invert6(s, inverse_[i])) return false;
+    if (!invert6(s, inverse_[i], indefinite)) return false;
     if (i + 1 == n) return true;
     transfer_[i].noalias() = inverse_[i] * upper_[i];
     s = diagonal_[i + 1];

@@ -33,7 +33,8 @@ class BlockTridiagonal {
   void fix(Index i, Index dof);
 
   /// False if the matrix is not positive definite (or not finite); the factor is then useless.
-  bool factor();
+  /// `indefinite`: any regular pivots will do (no pivoting; for Newton at an unstable equilibrium).
+  bool factor(bool indefinite = false);
 
   /// x <- A^-1 x; size 6 blocks(). No allocation.
   void solve(Eigen::Ref<VecX> x) const;

@@ -45,7 +45,10 @@ void Rod::build(const RodLayout& layout) {
   }
   twist_.assign(n - 1, 0);
   free_twist_ = tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &constraint_force_}) v->setZero(dofs());
+  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &before_velocity_, &correction_,
+                  &constraint_force_}) {
+    v->setZero(dofs());
+  }
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());
@@ -237,6 +240,12 @@ void Rod::correct(Real dt, const VecX& force) {
     spring.applied.moment =
         spring.stiffness.rotation * rotation_between(p.rotation, spring.target.rotation);
   }
+}
+
+std::size_t Rod::bytes() const {
+  const auto n = static_cast<std::size_t>(nodes());
+  return n * (matrix_.bytes_per_block() + sizeof(ElementRest) + sizeof(ElementMass) +
+              2 * sizeof(Pose) + 3 * sizeof(Real) + 4 * sizeof(Vec6));
 }
 
 Real Rod::mass() const {

@@ -80,7 +80,7 @@ class Rod {
     Real residual = 0;  ///< N, largest force (moments divided by the mean beam length)
   };
   /// Static equilibrium under gravity and dead nodal loads (force, moment; 6 per node) by Newton with
-  /// the full tangent, shifted where it is indefinite. Holds act as springs. Velocity becomes zero.
+  /// the full tangent, in 20 load steps where one is too many. Holds act as springs. Velocity becomes zero.
   StaticReport equilibrium(const Vec3& gravity, const VecX& load, Real tolerance = 1e-10,
                            int max_iterations = 200);
 
@@ -89,6 +89,8 @@ class Rod {
                         const std::vector<Real>* tension = nullptr) const;
 
   Real mass() const;
+  /// Memory of one step's working set, bytes.
+  std::size_t bytes() const;
   Real elastic_energy() const;
   Real kinetic_energy() const;
   Vec3 momentum() const;
@@ -106,6 +108,8 @@ class Rod {
                      bool first);
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
+  StaticReport solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
+                            int max_iterations);
   Real limit_step(const std::vector<Pose>& poses, const VecX& step) const;
   Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
                    const Vec3& gravity) const;
@@ -130,7 +134,7 @@ class Rod {
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
   VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
-  VecX velocity_, free_velocity_, rhs_, scratch_;
+  VecX velocity_, free_velocity_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;

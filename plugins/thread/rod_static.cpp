@@ -92,8 +92,8 @@ Real Rod::limit_step(const std::vector<Pose>& poses, const VecX& step) const {
 // EA (strain + strain gradient . step), and not the one that the second-order stretch of a finite
 // rotation fakes. It needs no line search where the displacement form creeps (a thread is almost
 // inextensible); turning is limited to half a radian per step.
-Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real tolerance,
-                                   int max_iterations) {
+Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
+                                    int max_iterations) {
   const Real spacing = abscissa_.back() / static_cast<Real>(beams());
   const Real unit_stiffness = elements_.back().bend_1 / (spacing * spacing);
   velocity_.setZero();
@@ -106,6 +106,9 @@ Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real t
     element_state(e, s);
     tension[e] = s.tension;
   }
+  Real turning = 0;
+  for (Index i = 0; i < nodes(); ++i)
+    turning = std::max(turning, load.segment<3>(6 * i + 3).norm() / spacing);
   StaticReport report;
   for (;; ++report.iterations) {
     static_residual(gravity, load, r, potential);
@@ -117,7 +120,10 @@ Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real t
     if (report.converged || report.iterations == max_iterations) break;
 
     assemble_tangent(gravity, tangent, &tension);
-    // Shift until positive definite: the step then goes downhill.
+    // Shift until positive definite: the step then goes downhill. Close to the end not under a moment of
+    // fixed axis, which has no potential; nor in the last third of the iterations, in case the equilibrium
+    // is an unstable one, to which shifted steps creep.
+    const bool as_is = report.residual < turning || report.iterations >= 2 * max_iterations / 3;
     Real shift = 0;
     for (;;) {
       shifted = tangent;
@@ -126,7 +132,7 @@ Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real t
         d.head<3>() += shift;
         d.tail<3>() += shift * spacing * spacing;
       }
-      if (shifted.factor()) break;
+      if (shifted.factor(as_is)) break;
       shift = std::max(4 * shift, 1e-6 * unit_stiffness);
       if (!(shift < 1e12 * unit_stiffness)) return report;
     }
@@ -142,6 +148,25 @@ Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real t
       tension[e] += factor * (predicted - tension[e]);
     }
     move(pose_, twist_, step, factor, pose_, twist_);
+  }
+  return report;
+}
+
+Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real tolerance,
+                                   int max_iterations) {
+  const std::vector<Pose> pose = pose_;
+  const std::vector<Real> twist = twist_;
+  StaticReport report = solve_static(gravity, load, tolerance, max_iterations);
+  if (!report.converged) {  // too far in one go: follow the load
+    pose_ = pose;
+    twist_ = twist;
+    constexpr int increments = 20;
+    for (int i = 1; i <= increments; ++i) {
+      const Real part = static_cast<Real>(i) / increments;
+      const int before = report.iterations;
+      report = solve_static(part * gravity, part * load, tolerance, max_iterations);
+      report.iterations += before;
+    }
   }
   free_ = pose_;
   return report;

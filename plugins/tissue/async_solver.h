@@ -55,6 +55,7 @@ class AsyncSolver : public TissueSolver {
   }
   void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
   NodeCompliance compliance() const override;
+  bool compliance_is_exact() const override { return false; }
   const TissueSolveReport& report() const override { return report_; }
 
   const std::vector<Adoption>& adoptions() const { return adoptions_; }
@@ -91,6 +92,7 @@ class AsyncSolver : public TissueSolver {
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;
   MatX x_;
+  VecX asked_, answered_;  ///< the last single right-hand side of the step and its solution
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;
   TissueSolveReport report_;

@@ -27,6 +27,7 @@ class SynchronousSolver : public TissueSolver {
   }
   void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
   NodeCompliance compliance() const override;
+  bool compliance_is_exact() const override { return true; }
   const TissueSolveReport& report() const override { return report_; }
 
  private:

@@ -1,6 +1,7 @@
 #include "tissue.h"
 
 #include "corotational_t4.h"
+#include "smoothed_t4.h"
 #include "direct_solver.h"
 
 namespace sutura {
@@ -17,6 +18,9 @@ void Tissue::describe(Describe<Tissue>& d) {
               "Rayleigh damping in proportion to mass: a drag against the world.");
   d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", at_least(0),
               "Rayleigh damping in proportion to stiffness: viscosity.");
+  d.attribute("element", &Tissue::element, {"t4", "smoothed"},
+              "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged over edges "
+              "and nodes, accurate there at two to three times the cost.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.").optional();
   d.output("reaction", "N", "Force with which all attachments together hold the tissue.",
@@ -44,7 +48,10 @@ void Tissue::initialise(Setup&) {
   v_ = v_free_ = elastic_force_ = reaction_ = VecX::Zero(3 * n);
   fixed_.assign(data.points.size(), 0);
 
-  elastic_ = std::make_unique<CorotationalT4>(data.points, data.tets);
+  if (element == TissueElement::smoothed)
+    elastic_ = std::make_unique<SmoothedT4>(data.points, data.tets);
+  else
+    elastic_ = std::make_unique<CorotationalT4>(data.points, data.tets);
   A_ = std::make_unique<NodeMatrix>(n, elastic_->pairs());
   elastic_->bind(*A_->pattern());
   update_materials();

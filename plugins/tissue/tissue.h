@@ -17,6 +17,9 @@
 
 namespace sutura {
 
+/// t4: corotational linear tets. smoothed: the same tets, cured of locking (smoothed_t4.h).
+enum class TissueElement { t4, smoothed };
+
 class Tissue : public Component, public SolidBody {
  public:
   static constexpr const char* interface_name = "Tissue";
@@ -26,6 +29,7 @@ class Tissue : public Component, public SolidBody {
   Real density = 1000;
   Real damping_mass = 0;
   Real damping_stiffness = 0;
+  TissueElement element = TissueElement::t4;
   Link<TetMesh> mesh;
   Link<TissueSolver> solver;
 
@@ -58,6 +62,8 @@ class Tissue : public Component, public SolidBody {
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
+  void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
+  bool compliance_is_exact() const override { return solver_->compliance_is_exact(); }
   void correct(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override;
   Real mass() const override;

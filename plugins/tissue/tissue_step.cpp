@@ -47,6 +47,10 @@ void Tissue::free_motion(const StepContext& context) {
 
 void Tissue::solve(Eigen::Ref<MatX> columns) const { solver_->solve(columns); }
 
+void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
+  add_tissue_compliance(*solver_, rows, dt, W);
+}
+
 void Tissue::correct(const StepContext& context, const VecX& force) {
   const Real h = context.dt;
   if (!force.isZero(0)) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 
 #include "app/commands.h"
@@ -6,7 +7,11 @@
 namespace sutura::app {
 
 int report(const Diagnostics& diagnostics) {
-  for (const Diagnostic& d : diagnostics.all()) std::fprintf(stderr, "%s\n", d.text().c_str());
+  constexpr std::size_t most = 100;
+  const auto all = diagnostics.all();
+  for (const Diagnostic& d : all.first(std::min(all.size(), most)))
+    std::fprintf(stderr, "%s\n", d.text().c_str());
+  if (all.size() > most) std::fprintf(stderr, "... and %zu more\n", all.size() - most);
   return diagnostics.exit_code();
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/gauss_seidel_component.h"
 
+#include "solve/problem_file.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
@@ -23,6 +24,11 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");
   d.attribute("acceleration", &GaussSeidel::acceleration_, {"none", "nncg", "subspace"},
               "What helps the sweeps: nothing, nonlinear conjugate gradients, or the direct step.");
+  d.attribute("dump", &GaussSeidel::dump_,
+              "Folder, under the output folder, for problems to be replayed by the solver bench: every one that does not "
+              "converge (at most 100) and the slowest so far; empty: none.");
+  d.attribute("dump_every", &GaussSeidel::dump_every_, at_least(0),
+              "With `dump`: also every so many solves; 0: none.");
   d.output("sweeps", "1", "Sweeps of the last step.",
            [](const GaussSeidel& s) { return Real(s.last_.sweeps); });
   d.output("direct_solves", "1", "Direct steps of the last step.",
@@ -33,16 +39,36 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
            [](const GaussSeidel& s) { return s.last_.violation; });
 }
 
-void GaussSeidel::initialise(Setup&) {
+void GaussSeidel::initialise(Setup& setup) {
   solver_.options() = {.tolerance = tolerance_,
                        .sweeps = sweeps_,
                        .seed = static_cast<std::uint64_t>(seed_),
                        .acceleration = acceleration_};
+  if (!dump_.empty()) dump_folder_ = setup.output_directory / dump_;
 }
 
 SolveReport GaussSeidel::solve(ConstraintProblem& problem) {
+  if (!dump_.empty()) before_ = problem;
   last_ = solver_.solve(problem);
+  if (!dump_.empty()) write_dump(last_);
+  ++solves_;
   return last_;
+}
+
+void GaussSeidel::write_dump(const SolveReport& report) {
+  std::error_code ignored;
+  std::filesystem::create_directories(dump_folder_, ignored);
+  const auto write = [this](const std::string& name) {
+    write_problem(before_, (dump_folder_ / (name + ".problem")).string());
+  };
+  if (!report.converged && failures_++ < 100) write("failed_" + std::to_string(solves_));
+  if (dump_every_ > 0 && solves_ % dump_every_ == 0) write("step_" + std::to_string(solves_));
+  // A direct step counts as ten sweeps.
+  const Index cost = report.sweeps + 10 * report.direct_solves;
+  if (cost > slowest_) {
+    slowest_ = cost;
+    write("slowest");
+  }
 }
 
 void enrol_builtin(Registry& registry) {

@@ -17,6 +17,14 @@ class GaussSeidel : public Component, public ConstraintSolver {
   Index sweeps_ = 1000;
   Index seed_ = 1;
   Acceleration acceleration_ = Acceleration::subspace;
+  std::string dump_;
+  Index dump_every_ = 0;
+
+  void write_dump(const SolveReport& report);
+
+  std::filesystem::path dump_folder_;
+  Index solves_ = 0, failures_ = 0, slowest_ = 0;
+  ConstraintProblem before_;  // as it was handed over, while dumping
   BlockGaussSeidel solver_;
   SolveReport last_;
 };

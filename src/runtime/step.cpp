@@ -1,5 +1,6 @@
 // The time step: what happens, in which order. docs/step.md explains each stage.
 #include "base/stage_timer.h"
+#include "solve/compliance_check.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
@@ -43,6 +44,8 @@ const StepReport& Simulation::step() {
   // lambda and the state of every block.
   timer.enter(Stage::solve);
   report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
+  report_.compliance_error = 0;
+  if (problem_.rows() > 0 && has_approximate_body()) check_compliance(context);
 
   // dv += h A^-1 H^T lambda; positions.
   timer.enter(Stage::correct);
@@ -71,6 +74,29 @@ const StepReport& Simulation::step() {
     if (recording_ && record_error_.empty()) record_error_ = recorder->record(*this, report_);
   }
   return report_;
+}
+
+bool Simulation::has_approximate_body() const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (problem_.bodies[i].size() > 0 && !bodies_[i].body->compliance_is_exact()) return true;
+  return false;
+}
+
+/// W of some body is approximate: measures what lambda really does, and if that is more than a
+/// micrometre from what W said, takes the difference into d_free and solves once more.
+void Simulation::check_compliance(const StepContext& context) {
+  constexpr Real tolerance = 1e-6;  // m; a hundredth of the length unit of most blocks
+  std::vector<const Body*> bodies;
+  for (const NamedBody& b : bodies_) bodies.push_back(b.body);
+  const VecX d_free = problem_.d_free;
+  VecX error;
+  report_.compliance_error = compliance_error(bodies, problem_, d_free, context.dt, error);
+  if (report_.compliance_error <= tolerance) return;
+  problem_.d_free += error;
+  const Index events = report_.solve.events;
+  report_.solve = solver_->solve(problem_);
+  report_.solve.events += events;
+  report_.compliance_error = compliance_error(bodies, problem_, d_free, context.dt, error);
 }
 
 double StepReport::total_seconds() const {

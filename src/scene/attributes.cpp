@@ -159,17 +159,32 @@ std::string write_attribute(const AttributeInfo& a, const Component& component) 
   return {};
 }
 
+namespace {
+
+/// As people write limits: 100000, not 1e+05.
+std::string limit_text(Real value) {
+  constexpr Real plain_below = 1e7;
+  if (value == std::floor(value) && std::abs(value) < plain_below)
+    return std::to_string(static_cast<long>(value));
+  return format_real(value);
+}
+
+}  // namespace
+
 std::string range_text(const Range& r, const std::string& unit) {
+  const auto limit = [&](Real value) {
+    return limit_text(value) + (unit.empty() || unit == "1" ? "" : ' ' + unit);
+  };
   const bool low = std::isfinite(r.low), high = std::isfinite(r.high);
   if (low && high) {
-    std::string out = "between " + format_real(r.low) + " and " + with_unit(r.high, unit);
+    std::string out = "between " + limit_text(r.low) + " and " + limit(r.high);
     if (r.low_open && r.high_open) return out + ", both excluded";
-    if (r.low_open) return out + ", " + format_real(r.low) + " excluded";
-    if (r.high_open) return out + ", " + format_real(r.high) + " excluded";
+    if (r.low_open) return out + ", " + limit_text(r.low) + " excluded";
+    if (r.high_open) return out + ", " + limit_text(r.high) + " excluded";
     return out;
   }
-  if (low) return (r.low_open ? "above " : "at least ") + with_unit(r.low, unit);
-  if (high) return (r.high_open ? "below " : "at most ") + with_unit(r.high, unit);
+  if (low) return (r.low_open ? "above " : "at least ") + limit(r.low);
+  if (high) return (r.high_open ? "below " : "at most ") + limit(r.high);
   return {};
 }
 

@@ -121,6 +121,8 @@ class Resolver {
 
   /// Ends a message about a path that will not do: "; did you mean ...?" or the candidates.
   std::string proposals(const std::string& path) const {
+    constexpr std::size_t enough_errors = 100;  // proposals cost time: hostile input gets no more
+    if (diagnostics_.errors() > enough_errors) return {};
     const std::vector<std::string> all = paths(candidates(scene_.root));
     if (all.empty()) return what_would_do();
     const std::string near = nearest_name(path, all);

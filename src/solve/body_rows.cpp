@@ -20,6 +20,13 @@ void BodyRows::add_transposed(const VecX& lambda, VecX& force) const {
   }
 }
 
+void BodyRows::add_product(const VecX& u, VecX& delta) const {
+  for (std::size_t i = 0; i < row.size(); ++i)
+    for (Index e = start[i]; e < start[i + 1]; ++e)
+      delta[row[i]] += u.segment(node[static_cast<std::size_t>(e)] * width, width)
+                           .dot(Eigen::Map<const VecX>(&value[static_cast<std::size_t>(e * width)], width));
+}
+
 void Body::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
   // Few columns at a time: the solve profits from several right-hand sides, the memory stays in cache.
   constexpr Index chunk = 16;

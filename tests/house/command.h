@@ -18,10 +18,10 @@ struct Outcome {
   std::string text;  ///< standard output and standard error
 };
 
-/// `arguments` as typed in a shell.
-inline Outcome command(const std::string& arguments) {
+/// `arguments` as typed in a shell; `before` is put in front of the program.
+inline Outcome command(const std::string& arguments, const std::string& before = "") {
   Outcome out;
-  const std::string line = SUTURA_BINARY_DIR "/bin/sutura " + arguments + " 2>&1";
+  const std::string line = before + SUTURA_BINARY_DIR "/bin/sutura " + arguments + " 2>&1";
   FILE* pipe = popen(line.c_str(), "r");
   if (!pipe) return out;
   std::array<char, 4096> buffer;

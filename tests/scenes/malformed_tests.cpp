@@ -110,26 +110,5 @@ TEST(MalformedScenes, SettingsFromTheCommandLine) {
   EXPECT_EQ(command("check " + file + " --set /gauss_seidel.sweeps").code, 1);
 }
 
-TEST(CommandLine, ExitCodes) {
-  const TemporaryFolder temporary("command");
-  const std::string file = (temporary.path() / "good.xml").string();
-  std::ofstream(file) << "<sutura version=\"1\"><GaussSeidel/></sutura>";
-  EXPECT_EQ(command("--version").code, 0);
-  EXPECT_EQ(command("--help").code, 0);
-  EXPECT_EQ(command("").code, 1);
-  EXPECT_EQ(command("fly").code, 1);
-  EXPECT_EQ(command("run").code, 1);
-  EXPECT_EQ(command("run " + file).code, 1);  // nobody says how long
-  EXPECT_EQ(command("run " + file + " --steps 0").code, 1);
-  EXPECT_EQ(command("run " + file + " --steps x").code, 1);
-  EXPECT_EQ(command("run " + file + " --steps 1 --duration 1").code, 1);
-  EXPECT_EQ(command("run " + file + " --duration '1 m'").code, 1);
-  EXPECT_EQ(command("describe NoSuchThing").code, 1);
-  EXPECT_EQ(command("describe GaussSeidel").code, 0);
-  const Outcome run = command("run " + file + " --duration '0.25 s' --set '.dt=10 ms'");
-  EXPECT_EQ(run.code, 0);
-  EXPECT_NE(run.text.find(": 25 steps, 0.25 s simulated"), std::string::npos) << run.text;
-}
-
 }  // namespace
 }  // namespace sutura::house

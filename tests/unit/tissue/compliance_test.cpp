@@ -156,9 +156,12 @@ TEST_F(ComplianceOf, OneMorePassRepairsAnOldCompliance) {
     }
     EXPECT_GT(violation[0], before);  // the older, the worse
     before = violation[0];
-    // The error of a pass is (1 - W_true W^-1) times that before: as good as squared by the second.
-    EXPECT_LT(violation[0], 0.5) << a;
-    EXPECT_LT(violation[1], 1.5 * violation[0] * violation[0] + 1e-5) << a;
+    // Each pass leaves (1 - W_true W^-1) times what was there: the figures are in
+    // docs/theory/preconditioner.md. The second must be worth its cost even at 60 degrees.
+    EXPECT_LT(violation[0], 0.25) << a;
+    EXPECT_LT(violation[1], 0.4 * violation[0]) << a;
+    RecordProperty("violation_" + std::to_string(int(a)), std::to_string(violation[0]) + " " +
+                                                              std::to_string(violation[1]));
   }
 }
 

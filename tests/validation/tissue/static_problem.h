@@ -32,7 +32,7 @@ class StaticProblem {
   }
   /// Newton steps with the stiffness of the model; returns the last correction's size.
   Real newton(int steps) {
-    const auto plan = make_factor_plan(*A_.pattern(), fixed_, {}, default_backend());
+    const auto plan = make_factor_plan(A_.pattern(), fixed_, {}, default_backend());
     const auto factor = make_factor(plan);
     MatX u;
     for (int i = 0; i < steps; ++i) {

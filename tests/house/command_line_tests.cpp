@@ -1,0 +1,128 @@
+// What docs/command.md promises: exit codes, how long a run is, and that files survive a bad end.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "house/command.h"
+
+namespace sutura::house {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string probe = std::string(SUTURA_SOURCE_DIR) + "/scenes/components/CsvProbe.xml";
+
+class CommandLine : public testing::Test {
+ protected:
+  std::string scene(const std::string& text) {
+    const fs::path file = folder_.path() / "scene.xml";
+    std::ofstream(file) << text;
+    return file.string();
+  }
+  std::string output() const { return " --output '" + (folder_.path() / "out").string() + "'"; }
+  std::string csv() const { return read_text(folder_.path() / "out/probe.csv"); }
+  TemporaryFolder folder_{"command_line"};
+};
+
+std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST_F(CommandLine, UsageErrorsAreOne) {
+  const std::string file = scene("<sutura version=\"1\"><GaussSeidel/></sutura>");
+  EXPECT_EQ(command("--version").code, 0);
+  EXPECT_EQ(command("--help").code, 0);
+  EXPECT_EQ(command("").code, 1);
+  EXPECT_EQ(command("fly").code, 1);
+  EXPECT_EQ(command("run").code, 1);
+  const Outcome how_long = command("run " + file);
+  EXPECT_EQ(how_long.code, 1);
+  EXPECT_NE(how_long.text.find("how long?"), std::string::npos);
+  EXPECT_EQ(command("run " + file + " --steps 0").code, 1);
+  EXPECT_EQ(command("run " + file + " --steps x").code, 1);
+  EXPECT_EQ(command("run " + file + " --steps 1 --duration 1").code, 1);
+  EXPECT_EQ(command("run " + file + " --duration '1 m'").code, 1);
+  EXPECT_EQ(command("run " + file + " --steps 1 --set .dt").code, 1);
+  EXPECT_EQ(command("describe NoSuchThing").code, 1);
+}
+
+TEST_F(CommandLine, DurationsBecomeSteps) {
+  const std::string file = scene("<sutura version=\"1\" dt=\"20 ms\" duration=\"0.3 s\"/>");
+  const auto says = [&](const std::string& options, const std::string& what) {
+    const Outcome out = command("run " + file + options);
+    EXPECT_EQ(out.code, 0) << out.text;
+    EXPECT_NE(out.text.find(what), std::string::npos) << out.text;
+  };
+  says("", ": 15 steps, 0.3 s simulated");
+  says(" --steps 7", ": 7 steps, 0.14 s simulated");
+  says(" --duration '0.25 s' --set '.dt=10 ms'", ": 25 steps, 0.25 s simulated");
+  says(" --duration '0.25 s'", ": 13 steps, 0.26 s simulated");  // the first step past the end
+}
+
+TEST_F(CommandLine, ResultsGoToTheOutputFolder) {
+  const Outcome out = command("run " + probe + " --steps 5" + output());
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_EQ(lines(csv()), 7);  // header, start, five steps
+}
+
+TEST_F(CommandLine, CheckWritesNothing) {
+  const fs::path before = fs::current_path();
+  fs::current_path(folder_.path());
+  EXPECT_EQ(command("check " + probe).code, 0);
+  fs::current_path(before);
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+TEST_F(CommandLine, AFolderThatCannotBeWrittenIsThree) {
+  std::ofstream(folder_.path() / "out") << "a file where the folder should be";
+  const Outcome out = command("run " + probe + " --steps 5" + output());
+  EXPECT_EQ(out.code, 3) << out.text;
+}
+
+TEST_F(CommandLine, DivergenceIsFourAndLosesNothing) {
+  // A mass and a gravity whose product is no number any more.
+  const std::string file = scene(
+      "<sutura version=\"1\" gravity=\"0 0 -1e308\" duration=\"1 s\">"
+      "<plugin name=\"tissue\"/><plugin name=\"output\"/>"
+      "<TetMesh file=\"" SUTURA_SOURCE_DIR "/scenes/meshes/block.msh\" unit=\"mm\"/>"
+      "<Tissue density=\"1e20\"/><CsvProbe columns=\"/tissue.lowest\"/></sutura>");
+  const Outcome out = command("run " + file + output());
+  EXPECT_EQ(out.code, 4) << out.text;
+  EXPECT_NE(out.text.find("diverged: the state is no longer finite"), std::string::npos) << out.text;
+  EXPECT_GE(lines(csv()), 2);
+  EXPECT_TRUE(csv().ends_with('\n'));
+}
+
+TEST_F(CommandLine, InterruptEndsTheStepAndClosesFiles) {
+  const Outcome out = command("run " + probe + " --steps 1000000000" + output(),
+                              "timeout --preserve-status --signal=INT 1 ");
+  EXPECT_EQ(out.code, 130) << out.text;
+  EXPECT_NE(out.text.find(" s simulated in "), std::string::npos) << out.text;  // the summary is there
+  EXPECT_GE(lines(csv()), 2);
+  EXPECT_TRUE(csv().ends_with('\n'));
+}
+
+TEST_F(CommandLine, NoProgressWithoutATerminal) {
+  const Outcome out = command("run " + probe + " --steps 5" + output());
+  EXPECT_EQ(out.text.find('\r'), std::string::npos);
+}
+
+TEST_F(CommandLine, PluginFolders) {
+  const std::string file = scene("<sutura version=\"1\" duration=\"1 s\"><plugin name=\"tools\"/></sutura>");
+  EXPECT_EQ(command("check " + file).code, 0);
+  EXPECT_EQ(command("check " + file + " --plugin-path /nowhere").code, 0);  // the default still holds
+  const std::string other = scene("<sutura version=\"1\"><plugin name=\"nonesuch\"/></sutura>");
+  const Outcome out = command("check " + other + " --plugin-path /nowhere");
+  EXPECT_EQ(out.code, 6);
+  EXPECT_NE(out.text.find("(/nowhere, "), std::string::npos) << out.text;
+}
+
+TEST_F(CommandLine, DescribeKnowsEveryPlugin) {
+  const Outcome index = command("describe");
+  EXPECT_EQ(index.code, 0);
+  for (const char* name : {"GaussSeidel", "SutureThread", "Tissue", "Puncture", "Grasper", "CsvProbe"})
+    EXPECT_NE(index.text.find(name), std::string::npos) << name;
+  const Outcome one = command("describe Tissue");
+  EXPECT_NE(one.text.find("young: real above 0 Pa; default "), std::string::npos) << one.text;
+}
+
+}  // namespace
+}  // namespace sutura::house
