@@ -255,12 +255,35 @@ void SceneReader::read_node(const XmlElement& element, Node& parent,
   read_children(element, *parent.children.back());
 }
 
+/// The plugin among those found that would have had the component; empty if none has.
+std::string SceneReader::plugin_that_has(const std::string& tag) {
+  if (!looked_elsewhere_) {
+    looked_elsewhere_ = true;
+    for (const std::string& name : available_plugins(plugin_directories_)) {
+      if (registry_.has_plugin(name)) continue;
+      Registry other;
+      Diagnostics ignored;
+      load_plugin(other, name, plugin_directories_, {}, ignored);
+      for (const ComponentInfo* info : other.components()) elsewhere_[info->name] = name;
+    }
+  }
+  const auto found = elsewhere_.find(tag);
+  return found == elsewhere_.end() ? std::string() : found->second;
+}
+
 void SceneReader::unknown_component(const XmlElement& element, const std::string& path) {
   if (!all_plugins_loaded_) return;  // it may well come from the plugin that is missing
   std::vector<std::string> tags{"node", "plugin"};
   for (const ComponentInfo* info : registry_.components()) tags.push_back(info->name);
-  std::string message = "there is no component <" + shown(element.name) + ">";
   const std::string near = nearest_name(element.name, tags);
+  const std::string plugin = plugin_that_has(element.name);
+  if (!plugin.empty()) {
+    error(at(element.line), path,
+          "<" + element.name + "> comes from a plugin that the scene does not name; add <plugin name=\"" +
+              plugin + "\"/>");
+    return;
+  }
+  std::string message = "there is no component <" + shown(element.name) + ">";
   if (!near.empty()) {
     message += "; did you mean <" + near + ">?";
   } else if (scene_.plugins.empty()) {
@@ -339,9 +362,10 @@ void SceneReader::read_values(const XmlElement& element, Component& component, N
     if (value.name == "name" || std::find(known.begin(), known.end(), value.name) != known.end())
       continue;
     if (value.location.line == 0) continue;  // reported as an unused --set
+    const std::string meant = did_you_mean(value.name, known);
     error(value.location, component.path(),
           "<" + info.name + "> has no attribute '" + shown(value.name) + "'" +
-              did_you_mean(value.name, known));
+              (meant.empty() ? "; 'sutura describe " + info.name + "' lists what it has" : meant));
   }
 }
 
