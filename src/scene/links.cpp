@@ -68,8 +68,8 @@ class Resolver {
       const std::vector<Component*> found = candidates(*node);
       if (found.size() == 1) return found.front();
       if (found.empty()) continue;
-      complain("left out, but more than one " + link_->target + " is in reach: " +
-               enumerate(paths(found)) + "; say which");
+      complain("left out, but more than one " + link_->target +
+               " is in reach: " + enumerate(paths(found)) + "; say which");
       return nullptr;
     }
     if (link_->is_optional || !failed_.empty()) return nullptr;

@@ -28,7 +28,8 @@ class SceneReader {
   void read(const XmlElement& root);
 
   const std::vector<PendingLink>& links() const { return links_; }
-  /// Paths of elements that became nothing because of an error: links to them are not complained of.
+  /// Paths of elements that became nothing because of an error: links to them are not complained
+  /// of.
   const std::set<std::string>& failed() const { return failed_; }
 
  private:
