@@ -70,7 +70,8 @@ std::string nearest_name(std::string_view name, std::span<const std::string> can
   std::size_t best_distance = 0;
   for (const std::string& candidate : candidates) {
     const std::size_t letters = std::max(name.size(), candidate.size());
-    if (letters > longest_name) continue;
+    const std::size_t difference = letters - std::min(name.size(), candidate.size());
+    if (letters > longest_name || 3 * difference > letters) continue;
     const std::size_t distance = edit_distance(name, candidate);
     if (3 * distance > letters) continue;
     if (best.empty() || distance < best_distance) {
