@@ -78,7 +78,7 @@ Puncture::Front Puncture::find_entry() {
   const auto hit =
       path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
-  const bool deep = !hit || hit->distance < -0.25 * path_->spacing();
+  const bool deep = !hit || hit->distance < -path_->spacing();
   if (deep && path_->tissue().locate(tip, Configuration::current)) {
     // An indentation deeper than the elements can follow turns them inside out, and the tip is in without a puncture.
     touched_ = *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
