@@ -72,10 +72,14 @@ void record(const std::string& name, Real value) {
 
 constexpr Real edge = 0.01;  // of the 5 x 5 x 5 cubes of E2, m
 
-class E2 : public ::testing::TestWithParam<Real> {
+struct Variant {
+  const char* name;
+  const char* attributes;
+};
+class E2 : public ::testing::TestWithParam<Variant> {
  protected:
   BlockScene block{kuhn_block({5, 5, 5}, Vec3::Constant(5 * edge)),
-                   "<Tissue young='10 kPa' poisson='" + std::to_string(GetParam()) + "'/>"};
+                   std::string("<Tissue young='10 kPa' ") + GetParam().attributes + "/>"};
   VecX zero = VecX::Zero(block.rest.size());
 
   /// Steps, watching energy; returns the number of steps until the shape is back within 1e-3 edges, -1 if never.
@@ -141,8 +145,11 @@ TEST_P(E2, ScatteredNodesFindTheirShape) {
   EXPECT_LT(block.shape_error(), 1e-3 * edge);
 }
 
-INSTANTIATE_TEST_SUITE_P(Poisson, E2, ::testing::Values(0.3, 0.45),
-                         [](const auto& i) { return "nu" + std::to_string(static_cast<int>(100 * i.param)); });
+INSTANTIATE_TEST_SUITE_P(All, E2,
+                         ::testing::Values(Variant{"t4_nu30", "poisson='0.3'"}, Variant{"t4_nu45", "poisson='0.45'"},
+                                           Variant{"smoothed_nu30", "poisson='0.3' element='smoothed'"},
+                                           Variant{"smoothed_nu45", "poisson='0.45' element='smoothed'"}),
+                         [](const auto& i) { return i.param.name; });
 
 // E1: a free block turned by hand in steps of any size stays without force, so nothing moves.
 TEST(E1, TurningABlockByHandInStepsOfAnySize) {
@@ -189,9 +196,10 @@ TEST_P(Flung, ByHalfATurnInOneStep) {
 }
 INSTANTIATE_TEST_SUITE_P(Iterations, Flung, ::testing::Values(1, 3));
 
-TEST(Stability, NearlyIncompressibleBlockHangsStill) {
+class NearlyIncompressible : public ::testing::TestWithParam<const char*> {};
+TEST_P(NearlyIncompressible, BlockHangsStill) {
   BlockScene block(kuhn_block({4, 4, 8}, Vec3(0.02, 0.02, 0.04)),
-                   "<Tissue young='10 kPa' poisson='0.4999'/><Attach box='0 0 40  20 20 40 mm'/>", "10 ms", "0 0 -9.81");
+                   std::string("<Tissue young='10 kPa' poisson='0.4999' element='") + GetParam() + "'/><Attach box='0 0 40  20 20 40 mm'/>", "10 ms", "0 0 -9.81");
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(block.step().finite);
   Real volume = 0;
   const VecX& x = block.tissue().positions();
@@ -207,6 +215,7 @@ TEST(Stability, NearlyIncompressibleBlockHangsStill) {
   EXPECT_LT(block.tissue().lowest().z(), 0);
   EXPECT_LT(block.tissue().velocities().cwiseAbs().maxCoeff(), 1e-9);
 }
+INSTANTIATE_TEST_SUITE_P(Elements, NearlyIncompressible, ::testing::Values("t4", "smoothed"));
 
 TEST(Stability, RegionsOneAMillionTimesStiffer) {
   MeshData mesh = kuhn_block({4, 4, 8}, Vec3(0.02, 0.02, 0.04));
