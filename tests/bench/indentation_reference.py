@@ -2,7 +2,7 @@
 """Reference of the indentation case of sutura_bench_tissue, by a program that shares nothing with the library.
 
 Linear elastic block of 40 x 40 x 20 mm, E = 10 kPa, base clamped, sides free, pressure 100 Pa on the middle 10 x 10 mm of its top:
-mean sinking of that patch. Quadratic tets (10 nodes) on a quarter of the block, two meshes, extrapolated.
+mean sinking of that patch. Quadratic tets (10 nodes) on a quarter of the block, three meshes, extrapolated.
 """
 import sys
 
@@ -75,7 +75,19 @@ def sinking(nu, n):
     return f @ u / (PRESSURE * PATCH**2)  # f is negative where u is: the mean sinking
 
 
+def extrapolated(w, n):
+    """w = limit + C n^-p through three meshes; bisection for p."""
+    ratio = lambda p: (w[2] - w[1]) / (w[1] - w[0]) - (n[2] ** -p - n[1] ** -p) / (n[1] ** -p - n[0] ** -p)
+    low, high = 0.3, 6.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if ratio(middle) * ratio(high) <= 0 else (low, middle)
+    c = (w[2] - w[1]) / (n[2] ** -low - n[1] ** -low)
+    return w[2] - c * n[2] ** -low, low
+
+
+CELLS = (4, 8, 12)
 for nu in map(float, sys.argv[1:] or ["0.3", "0.45", "0.49"]):
-    w = [sinking(nu, n) for n in (4, 8)]
-    order2 = w[1] + (w[1] - w[0]) / 3
-    print(f"nu {nu}: {w[0]:.6e} {w[1]:.6e} m, extrapolated with order 2 {order2:.6e}, change 4 to 8 cells {abs(w[1] / w[0] - 1):.1e}")
+    w = [sinking(nu, n) for n in CELLS]
+    limit, order = extrapolated(w, CELLS)
+    print(f"nu {nu}: {w[0]:.6e} {w[1]:.6e} {w[2]:.6e} m, limit {limit:.6e} m with order {order:.2f}", flush=True)
