@@ -79,20 +79,22 @@ void expect_the_curve(Real dt, const std::string& solver) {
   const auto& needle = dynamic_cast<const RigidNeedle&>(*sim->find("/rigid_needle"));
   const auto& slab = dynamic_cast<const SpringSlab&>(*sim->find("/spring_slab"));
   const Real total = needle.times.back();
-  // The exact force at every quarter of a step, to know it one step before and after: an event falls on a step.
+  // The exact force at every quarter of a step, to know it around each step: an event falls on a step, and 2 % of the
+  // peak (issue 4) are 0.065 mm of the spring.
+  const Real allowed = 0.02 * 0.98;
+  const Index around = 4 + Index(std::ceil(allowed / K / (scene.speed * dt / 4)));
   QuasiStatic exact;
   std::vector<Real> curve;
-  for (Index i = 0; i <= 4 * Index(std::ceil(total / dt)) + 8; ++i) {
+  for (Index i = 0; i <= 4 * Index(std::ceil(total / dt)) + around; ++i) {
     curve.push_back(exact.move_to(needle.at(Real(i) * dt / 4)));
   }
   for (Index i = 1; i <= Index(std::floor(total / dt)); ++i) {
     ASSERT_TRUE(sim->step().solve.converged) << "step " << i;
     const Real force = -slab.stiffness * slab.u_.z();
-    const auto near = curve.begin() + 4 * i;
-    const auto [low, high] = std::minmax_element(near - 4, near + 5);
-    // 2 % of the peak (issue 4) where the curve is smooth or jumps within a step.
-    EXPECT_GT(force, *low - 0.02 * 0.98) << "at " << needle.now_ * 1e3 << " mm, step " << i;
-    EXPECT_LT(force, *high + 0.02 * 0.98) << "at " << needle.now_ * 1e3 << " mm, step " << i;
+    const auto [low, high] = std::minmax_element(curve.begin() + std::max<Index>(4 * i - around, 0),
+                                                 curve.begin() + 4 * i + around + 1);
+    EXPECT_GT(force, *low - allowed) << "at " << needle.now_ * 1e3 << " mm, step " << i;
+    EXPECT_LT(force, *high + allowed) << "at " << needle.now_ * 1e3 << " mm, step " << i;
   }
 }
 
