@@ -48,6 +48,7 @@ struct StitchOptions {
   int samples = 50;
   Real dt = 0.01;
   Real pull = 0.2;           ///< N, along the thread at its end
+  Real pull_back = 0;        ///< N, against it at the other end
   Real lateral = 0.05;       ///< N, across at its end
   Real static_level = 0.01;  ///< N per sample
   Real kinetic = 0.008;      ///< N per sample
@@ -103,7 +104,8 @@ inline ConstraintProblem stitch(const StitchOptions& o) {
     const Real reach = h * h * inverse[1](first + i, nodes - 1);
     d[3 * i] = reach * o.lateral + 1e-4 * (some(random) - 1);
     d[3 * i + 1] = -0.3 * reach * o.lateral + 1e-4 * (some(random) - 1);
-    d[3 * i + 2] = h * h * inverse[0](first + i, nodes - 1) * o.pull;
+    d[3 * i + 2] = h * h * (inverse[0](first + i, nodes - 1) * o.pull -
+                            inverse[0](first + i, 0) * o.pull_back);
   }
   finish(p, 0.5 * (W + W.transpose()), d);
   return p;

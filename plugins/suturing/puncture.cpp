@@ -28,6 +28,9 @@ void Puncture::describe(Describe<Puncture>& d) {
               "One threshold per tag in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", at_least(0),
               "Coulomb coefficient of the tip on the surface before it goes through.");
+  d.attribute("reach", &Puncture::reach_, "m", above(0),
+              "Distance at which the tip looks for the next surface or layer, beyond its motion in a step; deeper than this "
+              "inside without a puncture, it counts as an overrun.");
   d.output("force", "N", "Force of the surface on the tip: along the normal while it presses, along the needle in the step in which it goes through.",
            [](const Puncture& p) { return p.force_; });
   d.output("peak_force", "N", "Largest force along the normal so far.",
@@ -50,8 +53,8 @@ void Puncture::initialise(Setup& setup) {
   check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot =
-      path_->tissue().closest_surface(tip, path_->spacing(), Configuration::current);
-  const bool touching = foot && foot->distance > -1e-3 * path_->spacing();
+      path_->tissue().closest_surface(tip, reach_, Configuration::current);
+  const bool touching = foot && foot->distance > -1e-3 * reach_;
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
@@ -67,7 +70,7 @@ void Puncture::detect(const StepContext&) {
     if (front_ == Front::none) return;
     const Vec3 tip = path_->thread().point(0, Configuration::current);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
-    path_->set_tip_blocked(to_go < 0.05 * path_->spacing());
+    path_->set_tip_blocked(to_go < 0.01 * reach_);
   }
 }
 
@@ -76,9 +79,9 @@ Puncture::Front Puncture::find_entry() {
   const Vec3 tip = thread.point(0, Configuration::current);
   const Real motion = (thread.point(0, Configuration::free) - tip).norm();
   const auto hit =
-      path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
+      path_->tissue().closest_surface(tip, motion + reach_, Configuration::current);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
-  const bool deep = !hit || hit->distance < -path_->spacing();
+  const bool deep = !hit || hit->distance < -reach_;
   if (deep && path_->tissue().locate(tip, Configuration::current)) {
     // An indentation deeper than the elements can follow turns them inside out, and the tip is in without a puncture.
     touched_ = *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
@@ -94,10 +97,10 @@ Puncture::Front Puncture::find_exit() {
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  const Real reach = reach_ + (thread.point(0, Configuration::free) - tip).norm();
   auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::current);
   // A tip that tents the surface may sit on it, on either side by rounding.
-  if (!hit) hit = tissue.closest_surface(tip, 0.1 * path_->spacing(), Configuration::current);
+  if (!hit) hit = tissue.closest_surface(tip, 0.1 * reach_, Configuration::current);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;
@@ -111,7 +114,7 @@ Puncture::Front Puncture::find_layer() {
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  const Real reach = reach_ + (thread.point(0, Configuration::free) - tip).norm();
   const auto beyond = tissue.locate(tip + reach * forward, Configuration::current);
   if (!beyond) return Front::none;
   const int next = tissue.region(*beyond);
@@ -121,10 +124,10 @@ Puncture::Front Puncture::find_layer() {
     if (here) region_ = tissue.region(*here);
     return Front::none;
   }
-  Real low = -0.1 * path_->spacing();
+  Real low = -0.1 * reach_;
   Real high = reach;
   EmbeddedPoint at = *beyond;
-  while (high - low > 1e-6 * path_->spacing()) {
+  while (high - low > 1e-6 * reach_) {
     const Real middle = 0.5 * (low + high);
     const auto p = tissue.locate(tip + middle * forward, Configuration::current);
     if (p && tissue.region(*p) == next) {

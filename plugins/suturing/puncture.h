@@ -36,6 +36,7 @@ class Puncture : public Component, public ConstraintSource {
   std::vector<Real> regions_;
   std::vector<Real> region_thresholds_;
   Real friction_ = 0.2;
+  Real reach_ = 1e-3;
   Index source_id_ = 0;
 
   Front front_ = Front::none;

@@ -17,7 +17,7 @@ void DiagonalBlocks::extract(const ConstraintProblem& problem) {
   }
 }
 
-void Residual::add(const ConstraintBlock& block, const Real* W, const Real* change) {
+Real Residual::add(const ConstraintBlock& block, const Real* W, const Real* change) {
   const int dim = block.law->dim;
   Real force = 0, length = 0;
   for (int i = 0; i < dim; ++i) {
@@ -32,9 +32,12 @@ void Residual::add(const ConstraintBlock& block, const Real* W, const Real* chan
   // Written so that a NaN stays.
   if (!(here <= value)) value = here;
   if (!(length <= violation)) violation = length;
+  return here;
 }
 
-Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus) {
+Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus,
+                     std::vector<Real>* per_block) {
+  if (per_block != nullptr) per_block->resize(problem.blocks.size());
   Residual residual;
   lambda_plus.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
@@ -48,7 +51,8 @@ Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
     std::copy_n(lambda, dim, plus);
     b.law->project({W, d, problem.block_params(b), &b.mode, plus});
     for (int k = 0; k < dim; ++k) change[k] = plus[k] - lambda[k];
-    residual.add(b, W, change);
+    const Real here = residual.add(b, W, change);
+    if (per_block != nullptr) (*per_block)[i] = here;
   }
   return residual;
 }

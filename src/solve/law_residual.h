@@ -22,12 +22,14 @@ class DiagonalBlocks {
 struct Residual {
   Real value = 0;      ///< largest over the blocks, in their units
   Real violation = 0;  ///< largest |W_cc (lambda_plus - lambda)|, m
-  /// Counts the change of one block.
-  void add(const ConstraintBlock& block, const Real* W, const Real* change);
+  /// Counts the change of one block; returns its own residual.
+  Real add(const ConstraintBlock& block, const Real* W, const Real* change);
 };
 
-/// Asks every law with the present lambda and delta. Updates the reversible modes; lambda is left alone.
-Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus);
+/// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given, receives the residual
+/// of each block.
+Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus,
+                     std::vector<Real>* per_block = nullptr);
 
 /// delta <- W lambda + d_free.
 inline void update_delta(ConstraintProblem& problem) {

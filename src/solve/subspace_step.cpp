@@ -7,35 +7,48 @@
 
 namespace sutura {
 
-void SubspaceStep::begin() {
-  factored_ = false;
-  same_ = false;
+void SubspaceStep::begin() { factored_ = false; }
+
+void SubspaceStep::take_tangent(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                                const VecX& lambda_plus, std::size_t block) {
+  const ConstraintBlock& b = problem.blocks[block];
+  const int dim = b.law->dim;
+  const Real* W = diagonal[block];
+  // What the block itself sees at lambda_plus: the pair is on its law's graph.
+  Real delta[max_block_dim], plus[max_block_dim];
+  for (int k = 0; k < dim; ++k) plus[k] = lambda_plus[b.first_row + k];
+  for (int k = 0; k < dim; ++k) {
+    delta[k] = problem.delta[b.first_row + k];
+    for (int j = 0; j < dim; ++j)
+      delta[k] += W[k + j * dim] * (plus[j] - problem.lambda[b.first_row + j]);
+    base_[b.first_row + k] = plus[k];
+  }
+  Mode mode = b.mode;
+  b.law->free_directions({W, delta, problem.block_params(b), &mode, plus}, tangents_[block]);
 }
 
 Index SubspaceStep::gather(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
                            const VecX& lambda_plus) {
+  tangents_.resize(problem.blocks.size());
+  base_.resize(problem.rows());
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i)
+    take_tangent(problem, diagonal, lambda_plus, i);
+  collect(problem);
+  return static_cast<Index>(now_.directions.size());
+}
+
+void SubspaceStep::collect(const ConstraintProblem& problem) {
   now_.entries.clear();
   now_.directions.clear();
   now_.compliance.clear();
   symmetric_ = true;
-  if (gap_.size() < problem.rows()) gap_.resize(problem.rows());
+  gap_.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     const ConstraintBlock& b = problem.blocks[i];
     const int dim = b.law->dim;
-    const Real* W = diagonal[i];
-    // What the block itself sees at lambda_plus: the pair is on its law's graph.
-    Real delta[max_block_dim], plus[max_block_dim];
-    for (int k = 0; k < dim; ++k) plus[k] = lambda_plus[b.first_row + k];
-    for (int k = 0; k < dim; ++k) {
-      delta[k] = problem.delta[b.first_row + k];
-      for (int j = 0; j < dim; ++j)
-        delta[k] += W[k + j * dim] * (plus[j] - problem.lambda[b.first_row + j]);
-    }
-    Mode mode = b.mode;
-    FreeDirectionsView free;
-    b.law->free_directions({W, delta, problem.block_params(b), &mode, plus}, free);
+    const FreeDirectionsView& free = tangents_[i];
     for (int j = 0; j < free.count; ++j) {
-      Direction direction{now_.entries.size(), 0, static_cast<Index>(i), j};
+      Direction direction{now_.entries.size(), 0, i, j};
       for (int k = 0; k < dim; ++k) {
         const Entry entry{b.first_row + k, free.move[k + j * dim], free.test[k + j * dim]};
         if (entry.move != 0 || entry.test != 0) now_.entries.push_back(entry);
@@ -48,8 +61,14 @@ Index SubspaceStep::gather(const ConstraintProblem& problem, const DiagonalBlock
         now_.compliance.push_back(k < free.count ? free.compliance[k + j * dim] : Real(0));
     }
   }
-  same_ = factored_ && now_ == factored_with_;
-  return static_cast<Index>(now_.directions.size());
+}
+
+Real SubspaceStep::left_of(const ConstraintProblem& problem, Index direction) const {
+  const Direction& d = now_.directions[static_cast<std::size_t>(direction)];
+  Real r = gap_[direction];
+  for (std::size_t e = d.first; e < d.end; ++e)
+    r += now_.entries[e].test * problem.delta[now_.entries[e].row];
+  return r;
 }
 
 void SubspaceStep::assemble(const ConstraintProblem& problem) {
@@ -98,29 +117,20 @@ bool SubspaceStep::factorise() {
   return true;
 }
 
-bool SubspaceStep::solve(ConstraintProblem& problem, const VecX& lambda_plus) {
+bool SubspaceStep::solve(ConstraintProblem& problem) {
   const auto f = static_cast<Index>(now_.directions.size());
-  problem.lambda = lambda_plus;
-  problem.delta = problem.d_free;
-  problem.delta.noalias() += problem.W * problem.lambda;
+  problem.lambda = base_;
+  update_delta(problem);
   if (f == 0) return true;
   if (!unchanged()) {
     assemble(problem);
     factored_ = factorise();
     if (!factored_) return false;
     factored_with_ = now_;
-    same_ = true;
   }
   y_.resize(f);
-  Real asked = 0;
-  for (Index j = 0; j < f; ++j) {
-    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
-    Real r = gap_[j];
-    for (std::size_t e = d.first; e < d.end; ++e)
-      r += now_.entries[e].test * problem.delta[now_.entries[e].row];
-    y_[j] = -r * scale_[j];
-    asked = std::max(asked, std::abs(y_[j]));
-  }
+  for (Index j = 0; j < f; ++j) y_[j] = -left_of(problem, j) * scale_[j];
+  const Real asked = y_.lpNorm<Eigen::Infinity>();
   if (symmetric_) {
     const auto L = matrix_.topLeftCorner(f, f);
     L.triangularView<Eigen::Lower>().solveInPlace(y_);
@@ -128,28 +138,24 @@ bool SubspaceStep::solve(ConstraintProblem& problem, const VecX& lambda_plus) {
   } else {
     y_ = lu_.solve(y_);
   }
+  y_.array() *= scale_.array();
   for (Index j = 0; j < f; ++j) {
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
-    const Real y = y_[j] * scale_[j];
     for (std::size_t e = d.first; e < d.end; ++e)
-      problem.lambda[now_.entries[e].row] += now_.entries[e].move * y;
+      problem.lambda[now_.entries[e].row] += now_.entries[e].move * y_[j];
   }
-  problem.delta = problem.d_free;
-  problem.delta.noalias() += problem.W * problem.lambda;
+  update_delta(problem);
 
   // Rows that contradict each other have no solution; the regularised one is huge and must not be taken.
   Real left = 0;
   for (Index j = 0; j < f; ++j) {
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
-    Real r = gap_[j];
-    for (std::size_t e = d.first; e < d.end; ++e)
-      r += now_.entries[e].test * problem.delta[now_.entries[e].row];
-    for (int k = 0; k < max_block_dim; ++k) {
-      const Index other = j - d.index + k;  // directions of one block are consecutive
-      if (other >= 0 && other < f && now_.directions[static_cast<std::size_t>(other)].block == d.block)
-        r += now_.compliance[static_cast<std::size_t>(other) * max_block_dim + static_cast<std::size_t>(d.index)] *
-             y_[other] * scale_[other];
-    }
+    Real r = left_of(problem, j);
+    const Index first = j - d.index;  // directions of one block are consecutive
+    for (int k = 0; k < tangents_[d.block].count; ++k)
+      r += now_.compliance[static_cast<std::size_t>(first + k) * max_block_dim +
+                           static_cast<std::size_t>(d.index)] *
+           y_[first + k];
     left = std::max(left, std::abs(r) * scale_[j]);
   }
   return problem.lambda.allFinite() && left <= 1e-2 * asked;
@@ -158,28 +164,133 @@ bool SubspaceStep::solve(ConstraintProblem& problem, const VecX& lambda_plus) {
 Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
                               Residual residual, Real tolerance, VecX& lambda_plus,
                               Index& direct_solves) {
-  // Modes that have not settled after this many are left to the caller.
-  constexpr int steps_in_a_row = 12;
-  Residual best = residual;
-  Real previous = residual.value;
+  constexpr int most_steps = 12;
+  const VecX& start = start_lambda_ = problem.lambda;
+  best_ = residual;
   best_lambda_ = problem.lambda;
-  for (int step = 0; step < steps_in_a_row && residual.value > tolerance; ++step) {
+  for (int step = 0; step < most_steps && residual.value > tolerance; ++step) {
     gather(problem, diagonal, lambda_plus);
-    // Same tangents twice: what is left is rounding.
-    if (step > 0 && unchanged() && residual.value > 0.5 * previous) break;
-    previous = residual.value;
-    if (!solve(problem, lambda_plus)) break;
+    if (!solve(problem)) break;
     ++direct_solves;
     residual = natural_map(problem, diagonal, lambda_plus);
     if (!std::isfinite(residual.value)) break;
-    if (residual.value < best.value) {
-      best = residual;
-      best_lambda_ = problem.lambda;
-    }
+    keep_best(problem, residual);
+  }
+  if (best_.value > tolerance) {
+    problem.lambda = start;
+    update_delta(problem);
+    walk(problem, diagonal, tolerance, lambda_plus, direct_solves);
   }
   problem.lambda = best_lambda_;
   update_delta(problem);
   return natural_map(problem, diagonal, lambda_plus);
+}
+
+void SubspaceStep::keep_best(const ConstraintProblem& problem, const Residual& residual) {
+  if (!(residual.value < best_.value)) return;
+  best_ = residual;
+  best_lambda_ = problem.lambda;
+}
+
+void SubspaceStep::hold(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                        const VecX& lambda, std::size_t block) {
+  const ConstraintBlock& b = problem.blocks[block];
+  const int dim = b.law->dim;
+  Real d[max_block_dim], delta[max_block_dim], plus[max_block_dim];
+  const Real none[max_block_dim] = {};
+  own_free_violation(dim, diagonal[block], none, lambda.data() + b.first_row, d);
+  std::copy_n(lambda.data() + b.first_row, dim, plus);
+  Mode mode = b.mode;
+  b.law->project({diagonal[block], d, problem.block_params(b), &mode, plus});
+  for (int k = 0; k < dim; ++k) {
+    delta[k] = d[k];
+    for (int j = 0; j < dim; ++j) delta[k] += diagonal[block][k + j * dim] * plus[j];
+    base_[b.first_row + k] = plus[k];
+  }
+  b.law->free_directions({diagonal[block], delta, problem.block_params(b), &mode, plus},
+                         tangents_[block]);
+}
+
+bool SubspaceStep::admissible(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                              const VecX& lambda, std::size_t block) const {
+  using Small = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, max_block_dim, max_block_dim>;
+  using SmallVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, max_block_dim, 1>;
+  const ConstraintBlock& b = problem.blocks[block];
+  const FreeDirectionsView& free = tangents_[block];
+  const int dim = b.law->dim, f = free.count;
+  const Eigen::Map<const MatX> W(diagonal[block], dim, dim), move(free.move, dim, f),
+      test(free.test, dim, f);
+  const SmallVector l = lambda.segment(b.first_row, dim);
+  // Coordinates of l on the tangent, and the smallest delta that the tangent then asks for.
+  const Small moves = move.transpose() * move, tests = test.transpose() * test;
+  const SmallVector y = moves.ldlt().solve(move.transpose() * (l - base_.segment(b.first_row, dim)));
+  SmallVector asked(f);
+  for (int i = 0; i < f; ++i) {
+    asked[i] = -free.gap[i];
+    for (int j = 0; j < f; ++j) asked[i] -= free.compliance[i + j * dim] * y[j];
+  }
+  const SmallVector delta = test * tests.ldlt().solve(asked);
+  SmallVector d = delta - W * l, plus = l;
+  Mode mode = b.mode;
+  b.law->project({diagonal[block], d.data(), problem.block_params(b), &mode, plus.data()});
+  return (plus - l).norm() <= 1e-9 * (l.norm() + 1e-3 * b.units.force);
+}
+
+void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Real tolerance,
+                        VecX& lambda_plus, Index& direct_solves) {
+  const std::size_t blocks = problem.blocks.size();
+  natural_map(problem, diagonal, lambda_plus, &block_residual_);
+  for (std::size_t i = 0; i < blocks; ++i) {
+    if (block_residual_[i] <= tolerance) take_tangent(problem, diagonal, lambda_plus, i);
+    else hold(problem, diagonal, problem.lambda, i);
+  }
+  VecX& from = walk_from_;
+  VecX& way = walk_way_;
+  for (std::size_t step = 0; step < 3 * blocks + 20; ++step) {
+    collect(problem);
+    from = problem.lambda;
+    if (!solve(problem)) return;
+    ++direct_solves;
+    way = problem.lambda - from;
+    Real length = 1;
+    stops_.assign(blocks, Real(2));
+    for (std::size_t i = 0; i < blocks; ++i) {
+      if (tangents_[i].count == 0 || admissible(problem, diagonal, problem.lambda, i)) continue;
+      Real low = 0, high = 1;
+      const ConstraintBlock& b = problem.blocks[i];
+      auto here = problem.lambda.segment(b.first_row, b.law->dim);
+      const auto at = [&](Real t) {
+        here = from.segment(b.first_row, b.law->dim) + t * way.segment(b.first_row, b.law->dim);
+      };
+      for (int k = 0; k < 50; ++k) {
+        at(0.5 * (low + high));
+        (admissible(problem, diagonal, problem.lambda, i) ? low : high) = 0.5 * (low + high);
+      }
+      at(1);
+      stops_[i] = low;
+      length = std::min(length, low);
+    }
+    if (length == 1) {
+      // Free to go all the way. Now the one clamped block that most wants to leave its limit may.
+      const Residual residual = natural_map(problem, diagonal, lambda_plus, &block_residual_);
+      keep_best(problem, residual);
+      if (!(residual.value > tolerance)) return;
+      const auto worst = std::max_element(block_residual_.begin(), block_residual_.end());
+      take_tangent(problem, diagonal, lambda_plus,
+                   static_cast<std::size_t>(worst - block_residual_.begin()));
+      continue;
+    }
+    problem.lambda = from + length * way;
+    for (std::size_t i = 0; i < blocks; ++i) {
+      if (stops_[i] > length + 1e-12) continue;
+      // Clamped where it stopped: the law's answer just beyond.
+      const ConstraintBlock& b = problem.blocks[i];
+      const VecX beyond = from + (length + 1e-6) * way;
+      hold(problem, diagonal, beyond, i);
+      problem.lambda.segment(b.first_row, b.law->dim) = base_.segment(b.first_row, b.law->dim);
+    }
+    update_delta(problem);
+  }
 }
 
 }  // namespace sutura

@@ -1,7 +1,7 @@
 // The direct step of the solver. In its present mode every law has a tangent (law.h, FreeDirections); the rows that are
 // free on it form one linear system, solved at once:
 //
-//   lambda = lambda_plus + move y,   test^T (W lambda + d_free) + gap + compliance y = 0.
+//   lambda = base + move y,   test^T (W lambda + d_free) + gap + compliance y = 0.
 //
 // Sweeps find the modes, this finds the forces (Morales, Nocedal, Smelyanskiy 2008; Silcowitz, Niebe, Erleben 2010). It
 // is what makes a stitch solvable: a free thread moves almost as a rigid body, W has a few huge modes that all
@@ -20,16 +20,13 @@ class SubspaceStep {
  public:
   void begin();  ///< a new problem: no factor of the last one is of use
 
-  /// Collects the free directions at (lambda_plus, the delta each block itself then sees). Returns their number.
+  /// Takes the tangents of all laws at lambda_plus (what natural_map answered). Returns the number of free directions.
   Index gather(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
                const VecX& lambda_plus);
-  /// Same directions as at the last `solve`: its factor is kept.
-  bool unchanged() const { return factored_ && same_; }
-  /// lambda <- the solution on the tangents gathered, delta <- W lambda + d_free. False if no factor exists.
-  bool solve(ConstraintProblem& problem, const VecX& lambda_plus);
 
-  /// Steps (Newton over the tangents), as long as they get somewhere; leaves the best point met. `residual` and
-  /// lambda_plus are those of natural_map before and after.
+  /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may cycle. If it does, a
+  /// slower walk from where it started. Leaves the best point met. lambda must be admissible for every law (as it is after
+  /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Residual residual,
                   Real tolerance, VecX& lambda_plus, Index& direct_solves);
 
@@ -41,25 +38,50 @@ class SubspaceStep {
   };
   struct Direction {
     std::size_t first, end;  // entries
-    Index block;
+    std::size_t block;
     int index;  // within its block
     bool operator==(const Direction&) const = default;
   };
-  struct Tangents {
+  struct System {
     std::vector<Entry> entries;
     std::vector<Direction> directions;
     std::vector<Real> compliance;  // per direction: max_block_dim values, its column
-    bool operator==(const Tangents&) const = default;
+    bool operator==(const System&) const = default;
   };
+
+  void take_tangent(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                    const VecX& lambda_plus, std::size_t block);
+  void collect(const ConstraintProblem& problem);
+  bool unchanged() const { return factored_ && now_ == factored_with_; }
+  /// lambda <- the solution on the tangents, delta <- W lambda + d_free. False if there is none.
+  bool solve(ConstraintProblem& problem);
   void assemble(const ConstraintProblem& problem);
   bool factorise();
+  /// test^T delta + gap of one direction.
+  Real left_of(const ConstraintProblem& problem, Index direction) const;
 
-  Tangents now_, factored_with_;
-  VecX gap_;
-  bool symmetric_ = true, same_ = false, factored_ = false;
-  MatX matrix_;  // capacity x capacity; the leading f x f part holds the system, then its factor
-  VecX scale_, y_, column_, best_lambda_;
+  /// Active-set walk: solves on the tangents, goes towards the solution up to the first limit met, clamps what met it;
+  /// once nothing is met, lets go the one clamped block that most wants to. For laws without coupling of normal and
+  /// tangent this descends in energy and must end (Nocedal and Wright 2006, section 16.5).
+  void walk(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Real tolerance,
+            VecX& lambda_plus, Index& direct_solves);
+  /// The tangent of a block at its force, with the delta that lets it rest there if the law allows.
+  void hold(const ConstraintProblem& problem, const DiagonalBlocks& diagonal, const VecX& lambda,
+            std::size_t block);
+  /// Whether the block may have this force on its present tangent.
+  bool admissible(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+                  const VecX& lambda, std::size_t block) const;
+  void keep_best(const ConstraintProblem& problem, const Residual& residual);
+
+  std::vector<FreeDirectionsView> tangents_;  // per block
+  VecX base_;
+  System now_, factored_with_;
+  bool symmetric_ = true, factored_ = false;
+  MatX matrix_;  // the leading part holds the system, then its factor
+  VecX gap_, scale_, y_, column_, best_lambda_, start_lambda_, walk_from_, walk_way_;
+  Residual best_;
   Eigen::PartialPivLU<MatX> lu_;
+  std::vector<Real> block_residual_, stops_;
 };
 
 }  // namespace sutura

@@ -1,5 +1,5 @@
-// What is not described does not exist: every component of every plugin is described, has a smallest
-// scene that runs, and a page of the reference that is current.
+// What is not described does not exist: every component of every plugin is described, has a
+// smallest scene that runs, and a page of the reference that is current.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -101,7 +101,8 @@ TEST_P(Described, DefaultsAreValuesThatASceneMayGive) {
     const std::string text = write_attribute(a, *fresh);
     if (a.is_required || text.empty()) continue;  // an empty text or list: left out
     std::string error;
-    EXPECT_TRUE(read_attribute(a, *read, text, error)) << info.name << '.' << a.name << ": " << error;
+    EXPECT_TRUE(read_attribute(a, *read, text, error))
+        << info.name << '.' << a.name << ": " << error;
     EXPECT_EQ(write_attribute(a, *read), text);
   }
 }
@@ -154,9 +155,11 @@ TEST(Schema, ValidatesEveryScene) {
   const auto validates = [&](const fs::path& scene) {
     const std::string python =
         "/usr/bin/python3 -c \"import sys; from lxml import etree; "
-        "sys.exit(not etree.XMLSchema(etree.parse(sys.argv[1])).validate(etree.parse(sys.argv[2])))\" ";
-    const std::string line = xmllint ? "xmllint --noout --schema '" + schema + "' '" + scene.string() + "'"
-                                     : python + "'" + schema + "' '" + scene.string() + "'";
+        "sys.exit(not "
+        "etree.XMLSchema(etree.parse(sys.argv[1])).validate(etree.parse(sys.argv[2])))\" ";
+    const std::string line =
+        xmllint ? "xmllint --noout --schema '" + schema + "' '" + scene.string() + "'"
+                : python + "'" + schema + "' '" + scene.string() + "'";
     return std::system((line + " >/dev/null 2>&1").c_str()) == 0;
   };
   int count = 0;

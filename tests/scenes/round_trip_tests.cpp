@@ -60,11 +60,13 @@ TEST_P(RoundTrip, RunsToTheSameBits) {
   auto first = load_scene(file, registry, diagnostics, options);
   ASSERT_TRUE(first) << (diagnostics.all().empty() ? "" : diagnostics.all().front().text());
   const std::string written = write_scene(*first);
-  auto second = load_scene_text(written, "written.xml", file.parent_path(), registry, diagnostics, options);
+  auto second =
+      load_scene_text(written, "written.xml", file.parent_path(), registry, diagnostics, options);
   ASSERT_TRUE(second) << diagnostics.all().front().text() << '\n' << written;
   EXPECT_EQ(write_scene(*second), written);
   EXPECT_EQ(second->duration, first->duration);
-  const std::string a = trace(std::move(first), diagnostics), b = trace(std::move(second), diagnostics);
+  const std::string a = trace(std::move(first), diagnostics),
+                    b = trace(std::move(second), diagnostics);
   EXPECT_TRUE(diagnostics.ok());
   EXPECT_FALSE(a.empty());
   EXPECT_EQ(a, b) << written;
@@ -72,7 +74,9 @@ TEST_P(RoundTrip, RunsToTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RoundTrip, testing::ValuesIn(scenes()), [](const auto& info) {
   std::string name = info.param;
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); },
+      '_');
   return name;
 });
 
