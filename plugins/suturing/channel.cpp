@@ -26,11 +26,10 @@ Channel::Share Channel::share_of(std::size_t i) const {
   const PathSample& s = samples_[i];
   Share share{s.abscissa, s.abscissa};
   if (s.kind != PathSample::Kind::entry && i > 0) {
-    share.high += 0.5 * (s.depth - samples_[i - 1].depth);
+    share.high = 0.5 * (s.abscissa + samples_[i - 1].abscissa);
   }
   if (s.kind == PathSample::Kind::exit) return share;
-  if (i + 1 < passed_) share.low -= 0.5 * (samples_[i + 1].depth - s.depth);
-  else share.low = 0;
+  share.low = i + 1 < passed_ ? 0.5 * (s.abscissa + samples_[i + 1].abscissa) : 0;
   return share;
 }
 

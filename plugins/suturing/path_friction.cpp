@@ -47,7 +47,9 @@ void PathFriction::describe(Describe<PathFriction>& d) {
            [](const PathFriction& f) { return f.force_; });
   d.output("limit", "N", "Sum of the kinetic resistances of the length inserted.",
            [](const PathFriction& f) { return f.limit_; });
-  d.output("sliding", "1", "Number of samples that slide.",
+  d.output("sliding", "1",
+           "Samples at which the thread slides towards its end less those at which the tip advances; all of them when it "
+           "slides as a whole.",
            [](const PathFriction& f) { return Real(f.sliding_); });
 }
 
@@ -92,7 +94,7 @@ void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
     const Real slip = std::abs(solved.delta(b.block)[0]);
     const bool slid = solved.mode(b.block) == PathFrictionLaw::slip && slip > b.stick_slip;
     force_ += solved.lambda(b.block)[0];
-    if (slid) ++sliding_;
+    if (slid) sliding_ += solved.delta(b.block)[0] > 0 ? 1 : -1;
     path_->channel().set_friction_mode(b.id, slid ? PathFrictionLaw::slip : PathFrictionLaw::stick);
   }
 }

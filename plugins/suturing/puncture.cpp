@@ -28,12 +28,18 @@ void Puncture::describe(Describe<Puncture>& d) {
               "One threshold per tag in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", at_least(0),
               "Coulomb coefficient of the tip on the surface before it goes through.");
+  d.attribute("reach", &Puncture::reach_, "m", above(0),
+              "Distance at which the tip looks for the next surface or layer, beyond its motion in a step; deeper than this "
+              "inside without a puncture, it counts as an overrun.");
   d.output("force", "N", "Force of the surface on the tip: along the normal while it presses, along the needle in the step in which it goes through.",
            [](const Puncture& p) { return p.force_; });
   d.output("peak_force", "N", "Largest force along the normal so far.",
            [](const Puncture& p) { return p.peak_force_; });
   d.output("punctures", "1", "Times the tip has gone through a surface.",
            [](const Puncture& p) { return Real(p.count_); });
+  d.output("overruns", "1",
+           "Times the tip was found inside without a puncture: the mesh is too coarse for the indentation.",
+           [](const Puncture& p) { return Real(p.overruns_); });
   d.output("state", "", "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or tenting (a surface from inside).",
            [](const Puncture& p) -> std::string {
              if (p.front_ == Front::none || p.force_ <= 0) return "free";
@@ -47,8 +53,8 @@ void Puncture::initialise(Setup& setup) {
   check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot =
-      path_->tissue().closest_surface(tip, path_->spacing(), Configuration::current);
-  const bool touching = foot && foot->distance > -1e-3 * path_->spacing();
+      path_->tissue().closest_surface(tip, reach_, Configuration::current);
+  const bool touching = foot && foot->distance > -1e-3 * reach_;
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
@@ -64,7 +70,7 @@ void Puncture::detect(const StepContext&) {
     if (front_ == Front::none) return;
     const Vec3 tip = path_->thread().point(0, Configuration::current);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
-    path_->set_tip_blocked(to_go < 0.05 * path_->spacing());
+    path_->set_tip_blocked(to_go < 0.01 * reach_);
   }
 }
 
@@ -73,9 +79,15 @@ Puncture::Front Puncture::find_entry() {
   const Vec3 tip = thread.point(0, Configuration::current);
   const Real motion = (thread.point(0, Configuration::free) - tip).norm();
   const auto hit =
-      path_->tissue().closest_surface(tip, motion + path_->spacing(), Configuration::current);
-  if (!hit) return Front::none;
+      path_->tissue().closest_surface(tip, motion + reach_, Configuration::current);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
+  const bool deep = !hit || hit->distance < -reach_;
+  if (deep && path_->tissue().locate(tip, Configuration::current)) {
+    // An indentation deeper than the elements can follow turns them inside out, and the tip is in without a puncture.
+    touched_ = *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
+    return Front::overrun;
+  }
+  if (!hit) return Front::none;
   touched_ = *hit;
   return Front::entry;
 }
@@ -85,10 +97,10 @@ Puncture::Front Puncture::find_exit() {
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  const Real reach = reach_ + (thread.point(0, Configuration::free) - tip).norm();
   auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::current);
   // A tip that tents the surface may sit on it, on either side by rounding.
-  if (!hit) hit = tissue.closest_surface(tip, 0.1 * path_->spacing(), Configuration::current);
+  if (!hit) hit = tissue.closest_surface(tip, 0.1 * reach_, Configuration::current);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;
@@ -102,7 +114,7 @@ Puncture::Front Puncture::find_layer() {
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real reach = path_->spacing() + (thread.point(0, Configuration::free) - tip).norm();
+  const Real reach = reach_ + (thread.point(0, Configuration::free) - tip).norm();
   const auto beyond = tissue.locate(tip + reach * forward, Configuration::current);
   if (!beyond) return Front::none;
   const int next = tissue.region(*beyond);
@@ -112,10 +124,10 @@ Puncture::Front Puncture::find_layer() {
     if (here) region_ = tissue.region(*here);
     return Front::none;
   }
-  Real low = -0.1 * path_->spacing();
+  Real low = -0.1 * reach_;
   Real high = reach;
   EmbeddedPoint at = *beyond;
-  while (high - low > 1e-6 * path_->spacing()) {
+  while (high - low > 1e-6 * reach_) {
     const Real middle = 0.5 * (low + high);
     const auto p = tissue.locate(tip + middle * forward, Configuration::current);
     if (p && tissue.region(*p) == next) {
@@ -140,7 +152,7 @@ bool Puncture::has_threshold(int region) const {
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   block_ = {};
   force_ = 0;
-  if (front_ == Front::none) return;
+  if (front_ == Front::none || front_ == Front::overrun) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const int region = tissue.region(touched_.at);
@@ -173,6 +185,10 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
+  if (front_ == Front::overrun) {
+    ++overruns_;
+    begin_bite();
+  }
   if (!block_.valid()) return;
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     force_ = touched_.normal.dot(solved.force(block_));
@@ -186,8 +202,7 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   Channel& channel = path_->channel();
   switch (front_) {
     case Front::entry:
-      channel.enter(touched_.at);
-      region_ = path_->tissue().region(touched_.at);
+      begin_bite();
       break;
     case Front::layer:
       region_ = path_->tissue().region(touched_.at);
@@ -196,8 +211,14 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
       if (channel.tip_inside()) channel.leave(touched_.at);
       break;
     case Front::none:
+    case Front::overrun:
       break;
   }
+}
+
+void Puncture::begin_bite() {
+  path_->channel().enter(touched_.at);
+  region_ = path_->tissue().region(touched_.at);
 }
 
 }  // namespace sutura

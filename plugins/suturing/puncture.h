@@ -19,11 +19,13 @@ class Puncture : public Component, public ConstraintSource {
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
  private:
-  /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface from inside.
-  enum class Front { none, entry, layer, exit };
+  /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface from inside; or nothing,
+  /// because it got in without a puncture.
+  enum class Front { none, entry, layer, exit, overrun };
   Front find_entry();
   Front find_exit();
   Front find_layer();
+  void begin_bite();
   bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
@@ -34,6 +36,7 @@ class Puncture : public Component, public ConstraintSource {
   std::vector<Real> regions_;
   std::vector<Real> region_thresholds_;
   Real friction_ = 0.2;
+  Real reach_ = 1e-3;
   Index source_id_ = 0;
 
   Front front_ = Front::none;
@@ -42,6 +45,7 @@ class Puncture : public Component, public ConstraintSource {
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;       ///< punctures so far
+  Index overruns_ = 0;
   Real force_ = 0;        ///< along the normal (N)
   Real peak_force_ = 0;   ///< largest so far (N)
 };

@@ -24,6 +24,9 @@ void SuturePath::describe(Describe<SuturePath>& d) {
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
   d.attribute("spacing", &SuturePath::spacing_, "m", above(0),
               "Distance between samples along the channel.");
+  d.attribute("wall_compliance", &SuturePath::wall_compliance_, "1/Pa", at_least(0),
+              "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples closer than the elements say "
+              "the same thing several times; without any give their forces would have no bound.");
   d.output("inserted_length", "m", "Length of needle and thread inside the tissue.",
            [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
   d.output("samples", "1", "Samples on the thread.",
@@ -99,7 +102,10 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     if (is_end && !hold_end) break;
     // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each other.
     if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < 0.3 * spacing_) continue;
-    const BlockId block = builder.add<Bilateral<2>>(make_key(source_id_, c.id), {},
+    const Real length = is_end ? spacing_ : c.share.high - c.share.low;
+    const Real compliance = wall_compliance_ / std::max(length, 0.1 * spacing_);
+    const BlockId block = builder.add<Bilateral<2>>(make_key(source_id_, c.id),
+                                                    {.compliance = compliance},
                                                     BlockVector<2>(c.free.tail<2>()));
     const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);

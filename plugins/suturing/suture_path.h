@@ -51,6 +51,7 @@ class SuturePath : public Component, public ConstraintSource {
   Link<CurveBody> thread_;
   Link<SolidBody> tissue_;
   Real spacing_ = 1e-3;
+  Real wall_compliance_ = 1e-7;
   Index source_id_ = 0;
   std::optional<Channel> channel_;
   std::vector<Crossing> crossings_;  ///< samples on the thread, then the end of the channel if the tip is there

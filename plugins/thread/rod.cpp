@@ -45,7 +45,10 @@ void Rod::build(const RodLayout& layout) {
   }
   twist_.assign(n - 1, 0);
   free_twist_ = tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &constraint_force_}) v->setZero(dofs());
+  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &before_velocity_, &correction_,
+                  &constraint_force_}) {
+    v->setZero(dofs());
+  }
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());

@@ -134,7 +134,7 @@ class Rod {
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
   VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
-  VecX velocity_, free_velocity_, rhs_, scratch_;
+  VecX velocity_, free_velocity_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;

@@ -140,26 +140,25 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     tension_[e] = s.tension;
   }
   Real value = incremental_potential(dt, gravity);
-  VecX before_velocity = free_velocity_, correction = rhs_;
   constexpr int most = 12;
   for (int i = 0; i < most; ++i, ++passes_) {
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     if (!factor()) return false;
     matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    correction = rhs_;
-    before_velocity = free_velocity_;
-    scratch_ = dt * correction;
+    correction_ = rhs_;
+    before_velocity_ = free_velocity_;
+    scratch_ = dt * correction_;
     Real part = limit_step(free_, scratch_);
     predict_tension(free_, free_twist_, scratch_, part, false);
     Real next = value;
     for (int cut = 0; cut < 20; ++cut, part /= 2) {
-      free_velocity_ = before_velocity + part * correction;
+      free_velocity_ = before_velocity_ + part * correction_;
       move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
       next = incremental_potential(dt, gravity);
       if (next < value) break;
     }
     if (!(next < value)) {
-      free_velocity_ = before_velocity;
+      free_velocity_ = before_velocity_;
       move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
       break;
     }

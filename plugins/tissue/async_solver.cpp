@@ -17,6 +17,7 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   postponed_.reset();
   worker_lost_ = false;
   adoptions_.clear();
+  recent_.clear();
   pattern_ = std::move(pattern);
   fixed_.assign(fixed.begin(), fixed.end());
   candidates_.reset(pattern_, fixed, candidates);
@@ -32,6 +33,7 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   step_ = step;
   jacobi_ready_ = false;
   asked_.resize(0);
+  recent_.matrix_changed();
   const Index failed = report_.failed_factors, adopted = report_.adopted_at;
   report_ = {};
   report_.failed_factors = failed;
@@ -162,8 +164,9 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
     return;
   }
   if (single) asked_ = columns.col(0);
+  const bool started = single && recent_.start(*A_, fixed_, asked_, x_);
   PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
-                           options_.max_iterations);
+                           options_.max_iterations, started);
   report_.iterations += r.iterations;
   last_iterations_ = std::max(last_iterations_, r.iterations);
   const bool older = current_ && current_->snapshot->step != step_;
@@ -181,7 +184,10 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
                                : "no factor, and conjugate gradients did not converge without one";
   }
   columns = x_;
-  if (single) answered_ = x_.col(0);
+  if (single) {
+    answered_ = x_.col(0);
+    recent_.add(*A_, fixed_, answered_);
+  }
 }
 
 NodeCompliance AsyncSolver::compliance() const {

@@ -88,6 +88,7 @@ class AsyncSolver : public TissueSolver {
   std::unique_ptr<FactorWorker> worker_;
 
   Pcg pcg_;
+  RecentSolutions recent_;
   WarpedFactor warped_;
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;

@@ -1,6 +1,8 @@
 #include "pcg.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -137,6 +139,48 @@ PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Pre
     }
   }
   return report;
+}
+
+void RecentSolutions::multiply(const NodeMatrix& A, std::span<const char> fixed, Index column) {
+  in_ = x_.col(column);
+  A.multiply(in_, out_);
+  clear_fixed(fixed, out_);
+  Ax_.col(column) = out_;
+}
+
+bool RecentSolutions::start(const NodeMatrix& A, std::span<const char> fixed, const VecX& b,
+                            MatX& x) {
+  if (count_ == 0) return false;
+  for (; products_ < count_; ++products_) multiply(A, fixed, products_);
+  const MatX G = x_.leftCols(count_).transpose() * Ax_.leftCols(count_);
+  const VecX scale = G.diagonal().cwiseMax(0).cwiseSqrt();
+  if (!(scale.minCoeff() > 0) || !scale.allFinite()) return false;
+  // Scaled to ones on the diagonal; solutions of successive steps are nearly parallel, and directions
+  // that differ by rounding only are left out by the small shift.
+  MatX S = G;
+  for (Index i = 0; i < count_; ++i)
+    for (Index j = 0; j < count_; ++j) S(i, j) = (G(i, j) + G(j, i)) / (2 * scale[i] * scale[j]);
+  S.diagonal().array() += 1e-10;
+  VecX c = x_.leftCols(count_).transpose() * b;
+  c = c.cwiseQuotient(scale);
+  c = S.ldlt().solve(c).eval();
+  c = c.cwiseQuotient(scale);
+  if (!c.allFinite()) return false;
+  x = x_.leftCols(count_) * c;
+  return true;
+}
+
+void RecentSolutions::add(const NodeMatrix& A, std::span<const char> fixed, const VecX& x) {
+  if (x_.rows() != x.size()) {
+    x_.resize(x.size(), most);
+    Ax_.resize(x.size(), most);
+    clear();
+  }
+  if (!x.allFinite() || x.isZero(0)) return;
+  x_.col(next_) = x;
+  if (products_ > next_) multiply(A, fixed, next_);
+  next_ = (next_ + 1) % most;
+  count_ = std::min(count_ + 1, most);
 }
 
 }  // namespace sutura

@@ -26,15 +26,15 @@ void describe_backend(Describe<T>& d) {
 
 template <class T>
 void describe_outputs(Describe<T>& d) {
-  d.output("iterations", "", "Conjugate gradient iterations of the step.",
+  d.output("iterations", "1", "Conjugate gradient iterations of the step.",
            [](const T& s) { return static_cast<Real>(s.report().iterations); });
-  d.output("residual", "", "Worst relative residual |b - A x| / |b| of the step.",
+  d.output("residual", "1", "Worst relative residual |b - A x| / |b| of the step.",
            [](const T& s) { return s.report().residual; });
-  d.output("factor_age", "", "Steps since the matrix behind the factor in use.",
+  d.output("factor_age", "1", "Steps since the matrix behind the factor in use.",
            [](const T& s) { return static_cast<Real>(s.report().factor_age); });
-  d.output("adopted_at", "", "Step at which the factor in use was adopted.",
+  d.output("adopted_at", "1", "Step at which the factor in use was adopted.",
            [](const T& s) { return static_cast<Real>(s.report().adopted_at); });
-  d.output("failed_factors", "", "Factorisations that failed so far.",
+  d.output("failed_factors", "1", "Factorisations that failed so far.",
            [](const T& s) { return static_cast<Real>(s.report().failed_factors); });
   d.output("message", "", "What went wrong in the step; empty if nothing did.",
            [](const T& s) { return s.report().message; });
@@ -60,7 +60,7 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
   d.attribute("lag", &AsyncPreconditioner::lag,
               "When a new factor is adopted: \"free\", as soon as it is there, or a number of steps "
               "after its snapshot, for runs that repeat bit by bit.");
-  d.attribute("tolerance", &AsyncPreconditioner::tolerance, "", strictly_between(0, 1),
+  d.attribute("tolerance", &AsyncPreconditioner::tolerance, "1", strictly_between(0, 1),
               "Relative residual |b - A x| / |b| at which the iteration stops.");
   d.attribute("max_iterations", &AsyncPreconditioner::max_iterations, at_least(1),
               "Iterations after which the matrix of the step is factorised at once.");

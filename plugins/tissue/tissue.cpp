@@ -1,22 +1,28 @@
 #include "tissue.h"
 
 #include "corotational_t4.h"
+#include "smoothed_t4.h"
 #include "direct_solver.h"
 
 namespace sutura {
 
 void Tissue::describe(Describe<Tissue>& d) {
   d.summary(
-      "Soft tissue: corotational linear tetrahedra, lumped mass, implicit Euler with one "
-      "linearisation per step.");
+      "Soft tissue: corotational tetrahedra, lumped mass, implicit Euler with one linearisation "
+      "per step.");
   d.attribute("young", &Tissue::young, "Pa", above(0), "Young modulus, where no Layer says otherwise.");
   d.attribute("poisson", &Tissue::poisson, "1", strictly_between(-1, 0.5),
-              "Poisson ratio; linear tetrahedra grow too stiff from about 0.4 on.");
+              "Poisson ratio; linear elements grow too stiff from about 0.4 on.");
   d.attribute("density", &Tissue::density, "kg/m^3", above(0), "Density.");
   d.attribute("damping_mass", &Tissue::damping_mass, "1/s", at_least(0),
               "Rayleigh damping in proportion to mass: a drag against the world.");
   d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", at_least(0),
               "Rayleigh damping in proportion to stiffness: viscosity.");
+  d.attribute("element", &Tissue::element, {"t4", "smoothed"},
+              "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged over edges "
+              "and nodes, accurate there at two to three times the cost.");
+  d.attribute("iterations", &Tissue::iterations, at_least(1),
+              "Linearisations per step, at least; a step whose motion would gain energy takes up to five.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.").optional();
   d.output("reaction", "N", "Force with which all attachments together hold the tissue.",
@@ -30,6 +36,8 @@ void Tissue::describe(Describe<Tissue>& d) {
            [](const Tissue& t) -> Real { return t.max_displacement(); });
   d.output("energy", "J", "Kinetic plus elastic energy.", [](const Tissue& t) -> Real { return t.energy(); });
   d.output("momentum", "kg m/s", "Linear momentum.", [](const Tissue& t) -> Vec3 { return t.momentum(); });
+  d.output("linearisations", "1", "Linearisations in the last step.",
+           [](const Tissue& t) -> Real { return static_cast<Real>(t.linearisations_); });
   d.output("inverted", "1", "Tetrahedra turned inside out.",
            [](const Tissue& t) -> Real { return static_cast<Real>(t.inverted()); });
 }
@@ -41,10 +49,17 @@ void Tissue::initialise(Setup&) {
   rest_.resize(3 * n);
   for (Index i = 0; i < n; ++i) rest_.segment<3>(3 * i) = data.points[i];
   x_ = x_free_ = rest_;
-  v_ = v_free_ = elastic_force_ = reaction_ = VecX::Zero(3 * n);
+  v_ = v_free_ = elastic_force_ = residual_ = constraint_force_ = reaction_ = VecX::Zero(3 * n);
   fixed_.assign(data.points.size(), 0);
+  for (const Tet& t : data.tets)
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < a; ++b) edge_length_ += (data.points[t[a]] - data.points[t[b]]).norm();
+  edge_length_ /= 6 * static_cast<Real>(data.tets.size());
 
-  elastic_ = std::make_unique<CorotationalT4>(data.points, data.tets);
+  if (element == TissueElement::smoothed)
+    elastic_ = std::make_unique<SmoothedT4>(data.points, data.tets);
+  else
+    elastic_ = std::make_unique<CorotationalT4>(data.points, data.tets);
   A_ = std::make_unique<NodeMatrix>(n, elastic_->pairs());
   elastic_->bind(*A_->pattern());
   update_materials();

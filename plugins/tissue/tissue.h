@@ -17,6 +17,9 @@
 
 namespace sutura {
 
+/// t4: corotational linear tets. smoothed: the same tets, cured of locking (smoothed_t4.h).
+enum class TissueElement { t4, smoothed };
+
 class Tissue : public Component, public SolidBody {
  public:
   static constexpr const char* interface_name = "Tissue";
@@ -26,6 +29,8 @@ class Tissue : public Component, public SolidBody {
   Real density = 1000;
   Real damping_mass = 0;
   Real damping_stiffness = 0;
+  TissueElement element = TissueElement::t4;
+  Index iterations = 1;
   Link<TetMesh> mesh;
   Link<TissueSolver> solver;
 
@@ -78,6 +83,9 @@ class Tissue : public Component, public SolidBody {
   const SolidQueries& queries(Configuration c) const { return queries_[static_cast<std::size_t>(c)]; }
   void update_materials();
   void start();
+  void linearise(const StepContext& context);
+  void add_constraint_motion(Real h);
+  bool gains_energy(const StepContext& context, bool pushed);
   void update_node_rotations();
 
   // Input, after the layers have spoken.
@@ -86,14 +94,19 @@ class Tissue : public Component, public SolidBody {
   std::vector<Real> mass_;   ///< lumped, per node (kg)
   std::vector<char> fixed_;  ///< per node
   bool any_fixed_ = false, started_ = false;
+  Real edge_length_ = 0;  ///< mean, at rest (m)
 
   // State.
   VecX x_, v_;
 
   // Caches.
   VecX rest_, x_free_, v_free_;
-  VecX elastic_force_;  ///< at the start of the step (N)
+  VecX guess_;             ///< velocity about which the step was linearised (m/s)
+  VecX elastic_force_;     ///< there (N)
+  VecX residual_;          ///< momentum missing there, without constraints and reactions (N s)
+  VecX constraint_force_;  ///< of the last step (N)
   VecX rhs_, product_, reaction_;
+  Index linearisations_ = 0;  ///< in the last step
   std::unique_ptr<ElasticModel> elastic_;
   std::unique_ptr<NodeMatrix> A_;
   std::unique_ptr<TissueSolver> own_solver_;

@@ -81,7 +81,12 @@ std::vector<KeyFrame> Track::keys_from_file(Setup& setup) {
   std::vector<FileProblem> problems;
   std::vector<KeyFrame> keys = read_key_frames(file, problems);
   for (const FileProblem& p : problems) {
-    setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
+    // A problem of a line is shown there; one of the whole file, where the scene names it.
+    if (p.line > 0) {
+      setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
+    } else {
+      setup.error(*this, file.string() + ": " + p.message, Category::file);
+    }
   }
   return keys;
 }

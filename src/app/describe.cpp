@@ -52,7 +52,9 @@ int write_markdown(const Registry& registry, const DescribeArguments& arguments)
   return ok;
 }
 
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+void print(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
 
 }  // namespace
 
@@ -74,9 +76,12 @@ int describe(const DescribeArguments& arguments) {
     const int code = write_markdown(registry, arguments);
     return code != ok ? code : plugin_code;
   }
-  if (arguments.xsd) print(xml_schema(registry));
-  else if (arguments.component.empty()) print(plain_index(registry));
-  else print(plain_text(*registry.find(arguments.component), registry));
+  if (arguments.xsd)
+    print(xml_schema(registry));
+  else if (arguments.component.empty())
+    print(plain_index(registry));
+  else
+    print(plain_text(*registry.find(arguments.component), registry));
   return plugin_code;
 }
 

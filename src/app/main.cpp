@@ -21,8 +21,9 @@ void add_scene(CLI::App& command, SceneArguments& arguments) {
   command.add_option("scene", arguments.scene, "The scene, an XML file")
       ->type_name("SCENE")
       ->required();
-  command.add_option("--set", arguments.settings,
-                     "Replaces an attribute: /skin/tissue.young=\"30 kPa\", .dt=\"5 ms\"; repeatable")
+  command
+      .add_option("--set", arguments.settings,
+                  "Replaces an attribute: /skin/tissue.young=\"30 kPa\", .dt=\"5 ms\"; repeatable")
       ->type_name("PATH=VALUE")
       ->expected(1)
       ->allow_extra_args(false)

@@ -8,14 +8,22 @@ namespace sutura::app {
 
 std::string type_text(const AttributeInfo& a, const char* quote) {
   switch (a.type) {
-    case AttributeType::real: return "real";
-    case AttributeType::integer: return "whole number";
-    case AttributeType::flag: return "true or false";
-    case AttributeType::text: return "text";
-    case AttributeType::file: return "file";
-    case AttributeType::vec3: return "3 reals";
-    case AttributeType::reals: return "list of reals";
-    case AttributeType::choice: break;
+    case AttributeType::real:
+      return "real";
+    case AttributeType::integer:
+      return "whole number";
+    case AttributeType::flag:
+      return "true or false";
+    case AttributeType::text:
+      return "text";
+    case AttributeType::file:
+      return "file";
+    case AttributeType::vec3:
+      return "3 reals";
+    case AttributeType::reals:
+      return "list of reals";
+    case AttributeType::choice:
+      break;
   }
   std::string out;
   for (std::size_t i = 0; i < a.choices.size(); ++i) {
@@ -51,7 +59,9 @@ std::string first_clause(const std::string& text) {
   return end == std::string::npos ? text : text.substr(0, end) + '.';
 }
 
-std::string units_of(const std::string& unit) { return unit == "1" ? "-" : unit; }
+std::string units_of(const std::string& unit) {
+  return unit == "1" ? "-" : unit;
+}
 
 }  // namespace
 
@@ -61,11 +71,15 @@ std::string plain_text(const ComponentInfo& info, const Registry& registry) {
   for (const AttributeInfo& a : info.attributes) {
     out += "  " + a.name + ": " + type_text(a, "'");
     const std::string range = range_text(a.range, a.unit);
-    if (!range.empty()) out += " " + range;
-    else if (!a.unit.empty() && a.unit != "1") out += " in " + a.unit;
+    if (!range.empty())
+      out += " " + range;
+    else if (!a.unit.empty() && a.unit != "1")
+      out += " in " + a.unit;
     const std::string value = default_text(info, a);
-    if (a.is_required) out += "; required";
-    else if (!value.empty()) out += "; default " + value;
+    if (a.is_required)
+      out += "; required";
+    else if (!value.empty())
+      out += "; default " + value;
     out += "\n      " + a.doc + "\n";
   }
   if (!info.links.empty()) out += "\nLinks\n";
@@ -83,7 +97,8 @@ std::string plain_text(const ComponentInfo& info, const Registry& registry) {
 std::string plain_index(const Registry& registry) {
   std::string out, plugin;
   for (const ComponentInfo* info : registry.components()) {
-    if (info->plugin != plugin || out.empty()) out += (out.empty() ? "" : "\n") + info->plugin + '\n';
+    if (info->plugin != plugin || out.empty())
+      out += (out.empty() ? "" : "\n") + info->plugin + '\n';
     plugin = info->plugin;
     out += "  " + info->name;
     out.append(info->name.size() < 18 ? 18 - info->name.size() : 1, ' ');

@@ -1,4 +1,5 @@
-// The reference of components, made from their descriptions: for a terminal, as Markdown, as XML schema.
+// The reference of components, made from their descriptions: for a terminal, as Markdown, as XML
+// schema.
 #pragma once
 
 #include <string>

@@ -18,26 +18,34 @@ std::string cell(const std::string& text) {
   return out;
 }
 
-std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
+std::string code(const std::string& text) {
+  return text.empty() ? "" : "`" + text + "`";
+}
 
-std::string unit_cell(const std::string& unit) { return unit.empty() || unit == "1" ? "" : unit; }
+std::string unit_cell(const std::string& unit) {
+  return unit.empty() || unit == "1" ? "" : unit;
+}
 
-std::string page_link(const std::string& name) { return "[" + name + "](" + name + ".md)"; }
+std::string page_link(const std::string& name) {
+  return "[" + name + "](" + name + ".md)";
+}
 
 void attributes(const ComponentInfo& info, std::string& out) {
   if (info.attributes.empty()) return;
-  out += "\n## Attributes\n\n| Name | Type | Unit | Default | Range | Meaning |\n"
-         "|---|---|---|---|---|---|\n";
+  out +=
+      "\n## Attributes\n\n| Name | Type | Unit | Default | Range | Meaning |\n"
+      "|---|---|---|---|---|---|\n";
   for (const AttributeInfo& a : info.attributes) {
     const std::string value = a.is_required ? "required" : code(default_text(info, a));
-    out += "| " + code(a.name) + " | " + cell(type_text(a, "`")) + " | " + unit_cell(a.unit) + " | " +
-           cell(value) + " | " + range_text(a.range, "") + " | " + cell(a.doc) + " |\n";
+    out += "| " + code(a.name) + " | " + cell(type_text(a, "`")) + " | " + unit_cell(a.unit) +
+           " | " + cell(value) + " | " + range_text(a.range, "") + " | " + cell(a.doc) + " |\n";
   }
 }
 
 void links(const ComponentInfo& info, const Registry& registry, std::string& out) {
   if (info.links.empty()) return;
-  out += "\n## Links\n\n| Name | Leads to | Components that will do | Meaning |\n|---|---|---|---|\n";
+  out +=
+      "\n## Links\n\n| Name | Leads to | Components that will do | Meaning |\n|---|---|---|---|\n";
   for (const LinkInfo& l : info.links) {
     std::string pages;
     for (const std::string& name : accepted_by(l, registry))
@@ -45,8 +53,9 @@ void links(const ComponentInfo& info, const Registry& registry, std::string& out
     out += "| " + code(l.name) + " | " + l.target + (l.is_optional ? " (optional)" : "") + " | " +
            pages + " | " + cell(l.doc) + " |\n";
   }
-  out += "\nA link left out means the only component of its kind in reach; see "
-         "[scenes](../concepts/scene.md#links).\n";
+  out +=
+      "\nA link left out means the only component of its kind in reach; see "
+      "[scenes](../concepts/scene.md#links).\n";
 }
 
 void outputs(const ComponentInfo& info, std::string& out) {
@@ -62,8 +71,10 @@ std::string markdown_page(const ComponentInfo& info, const Registry& registry,
                           const std::string& example) {
   std::string out = generated;
   out += "# " + info.name + "\n\n" + info.summary + "\n\n";
-  if (info.plugin == "core") out += "Built in; needs no plugin.\n";
-  else out += "From the plugin `" + info.plugin + "`: `<plugin name=\"" + info.plugin + "\"/>`.\n";
+  if (info.plugin == "core")
+    out += "Built in; needs no plugin.\n";
+  else
+    out += "From the plugin `" + info.plugin + "`: `<plugin name=\"" + info.plugin + "\"/>`.\n";
   attributes(info, out);
   links(info, registry, out);
   outputs(info, out);
@@ -76,12 +87,12 @@ std::string markdown_page(const ComponentInfo& info, const Registry& registry,
 
 std::string markdown_index(const Registry& registry) {
   std::string out = generated;
-  out += "# Components\n\nWhat a scene may contain, by plugin. The same text, in the terminal: "
-         "`sutura describe`.\n";
+  out +=
+      "# Components\n\nWhat a scene may contain, by plugin. The same text, in the terminal: "
+      "`sutura describe`.\n";
   std::string plugin;
   for (const ComponentInfo* info : registry.components()) {
-    if (info->plugin != plugin)
-      out += "\n## " + info->plugin + "\n\n| Component | |\n|---|---|\n";
+    if (info->plugin != plugin) out += "\n## " + info->plugin + "\n\n| Component | |\n|---|---|\n";
     plugin = info->plugin;
     out += "| " + page_link(info->name) + " | " + cell(info->summary) + " |\n";
   }

@@ -7,11 +7,16 @@ namespace {
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   }
   return out;
 }
@@ -50,14 +55,20 @@ const char* types = R"(  <xs:simpleType name="name">
 
 const char* type_name(AttributeType type) {
   switch (type) {
-    case AttributeType::real: return "real";
-    case AttributeType::integer: return "integer";
-    case AttributeType::flag: return "flag";
-    case AttributeType::file: return "file";
+    case AttributeType::real:
+      return "real";
+    case AttributeType::integer:
+      return "integer";
+    case AttributeType::flag:
+      return "flag";
+    case AttributeType::file:
+      return "file";
     case AttributeType::vec3:
-    case AttributeType::reals: return "reals";
+    case AttributeType::reals:
+      return "reals";
     case AttributeType::text:
-    case AttributeType::choice: break;
+    case AttributeType::choice:
+      break;
   }
   return "xs:string";
 }

@@ -14,7 +14,9 @@ namespace sutura::app {
 namespace {
 
 volatile sig_atomic_t stop_requested = 0;
-void request_stop(int) { stop_requested = 1; }
+void request_stop(int) {
+  stop_requested = 1;
+}
 
 /// The first Ctrl-C ends the run after the current step; the second one ends the program.
 void catch_interrupts() {

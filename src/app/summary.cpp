@@ -33,8 +33,8 @@ void Summary::add(const StepReport& report) {
 
 std::string Summary::text(double wall_seconds) const {
   std::string out;
-  append(out, "%ld steps, %.4g s simulated in %.4g s", static_cast<long>(steps_), time_,
-         wall_seconds);
+  append(out, "%ld step%s, %.4g s simulated in %.4g s", static_cast<long>(steps_),
+         steps_ == 1 ? "" : "s", time_, wall_seconds);
   if (time_ > 0) append(out, " (%.3g times real time)", wall_seconds / time_);
   out += '\n';
   if (steps_ == 0) return out;

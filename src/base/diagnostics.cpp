@@ -7,9 +7,12 @@ namespace sutura {
 
 namespace {
 
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
 
-/// Letters to change, insert, drop or swap with their neighbour; upper and lower case count as equal.
+/// Letters to change, insert, drop or swap with their neighbour; upper and lower case count as
+/// equal.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -67,7 +70,8 @@ std::string nearest_name(std::string_view name, std::span<const std::string> can
   std::size_t best_distance = 0;
   for (const std::string& candidate : candidates) {
     const std::size_t letters = std::max(name.size(), candidate.size());
-    if (letters > longest_name) continue;
+    const std::size_t difference = letters - std::min(name.size(), candidate.size());
+    if (letters > longest_name || 3 * difference > letters) continue;
     const std::size_t distance = edit_distance(name, candidate);
     if (3 * distance > letters) continue;
     if (best.empty() || distance < best_distance) {

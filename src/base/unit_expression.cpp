@@ -59,9 +59,8 @@ std::optional<Unit> find_symbol(std::string_view name) {
 /// The spellings worth proposing for a misspelt one.
 const std::vector<std::string>& common_symbols() {
   static const std::vector<std::string> names{
-      "m",  "mm",  "cm",  "um", "km", "kg",  "g",   "mg",  "s",   "ms",   "us",  "min", "N",
-      "mN", "kN",  "Pa",  "kPa", "MPa", "GPa", "J",   "mJ",  "W",   "Hz",   "kHz", "rad", "mrad",
-      "deg"};
+      "m",  "mm", "cm",  "um",  "km",  "kg", "g",  "mg", "s",  "ms",  "us",  "min",  "N",  "mN",
+      "kN", "Pa", "kPa", "MPa", "GPa", "J",  "mJ", "W",  "Hz", "kHz", "rad", "mrad", "deg"};
   return names;
 }
 
@@ -72,7 +71,9 @@ std::string unknown_symbol(std::string_view name) {
   return out;
 }
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
 
 void multiply(Unit& unit, const Unit& by, int exponent) {
   unit.dimension.metre += exponent * by.dimension.metre;
@@ -126,7 +127,8 @@ std::optional<Unit> parse_unit(std::string_view text, std::string& error) {
     int exponent = 1;
     if (i < text.size() && text[i] == '^') {
       ++i;
-      const auto [end, code] = std::from_chars(text.data() + i, text.data() + text.size(), exponent);
+      const auto [end, code] =
+          std::from_chars(text.data() + i, text.data() + text.size(), exponent);
       if (code != std::errc{} || exponent > largest_exponent || exponent < -largest_exponent) {
         error = "'" + std::string(text) + "' is not a unit: a small whole number must follow '^'";
         return std::nullopt;

@@ -10,7 +10,9 @@ namespace sutura {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
 
 std::string_view trim(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
@@ -25,8 +27,8 @@ std::string quoted(std::string_view text) {
   return "'" + std::string(text.substr(0, longest)) + "...'";
 }
 
-/// Characters at the start of `text` that spell a decimal number; 0 if there is none. Infinities and
-/// NaN are not numbers here.
+/// Characters at the start of `text` that spell a decimal number; 0 if there is none. Infinities
+/// and NaN are not numbers here.
 std::size_t number_length(std::string_view text) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   std::size_t i = 0;

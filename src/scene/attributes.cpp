@@ -66,8 +66,7 @@ bool read_choice(const AttributeInfo& a, Component& owner, std::string_view text
     return true;
   }
   error = quoted(text) + " is not one of";
-  for (std::size_t i = 0; i < a.choices.size(); ++i)
-    error += (i == 0 ? " " : ", ") + a.choices[i];
+  for (std::size_t i = 0; i < a.choices.size(); ++i) error += (i == 0 ? " " : ", ") + a.choices[i];
   const std::string near = nearest_name(text, a.choices);
   if (!near.empty()) error += "; did you mean '" + near + "'?";
   return false;
@@ -193,9 +192,8 @@ bool is_name(std::string_view text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   return !text.empty() && text.size() <= longest && is_letter(text.front()) &&
-         std::all_of(text.begin(), text.end(), [&](char c) {
-           return is_letter(c) || is_digit(c) || c == '_' || c == '-';
-         });
+         std::all_of(text.begin(), text.end(),
+                     [&](char c) { return is_letter(c) || is_digit(c) || c == '_' || c == '-'; });
 }
 
 std::string default_name(std::string_view tag) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <unordered_map>
+#include <utility>
 
 #include "scene/builder.h"
 
@@ -31,7 +33,9 @@ class Resolver {
  public:
   Resolver(Scene& scene, const Registry& registry, const std::set<std::string>& failed,
            Diagnostics& diagnostics)
-      : scene_(scene), registry_(registry), failed_(failed), diagnostics_(diagnostics) {}
+      : scene_(scene), registry_(registry), failed_(failed), diagnostics_(diagnostics) {
+    for (Component* component : scene.components()) by_path_.emplace(component->path(), component);
+  }
 
   void resolve(const PendingLink& pending) {
     pending_ = &pending;
@@ -47,13 +51,17 @@ class Resolver {
 
   void collect(const Node& node, std::vector<Component*>& out) const {
     for (const auto& component : node.components)
-      if (component.get() != pending_->owner && link_->accepts(*component))
-        out.push_back(component.get());
+      if (link_->accepts(*component)) out.push_back(component.get());
     for (const auto& child : node.children) collect(*child, out);
   }
-  std::vector<Component*> candidates(const Node& node) const {
-    std::vector<Component*> out;
-    collect(node, out);
+
+  /// What the link accepts at and below `node`, except its owner. Collected once per link and node,
+  /// or a large scene would cost the square of its size.
+  std::vector<Component*> candidates(const Node& node) {
+    const auto [place, is_new] = candidates_.try_emplace({link_, &node});
+    if (is_new) collect(node, place->second);
+    std::vector<Component*> out = place->second;
+    std::erase(out, pending_->owner);
     return out;
   }
 
@@ -68,8 +76,8 @@ class Resolver {
       const std::vector<Component*> found = candidates(*node);
       if (found.size() == 1) return found.front();
       if (found.empty()) continue;
-      complain("left out, but more than one " + link_->target + " is in reach: " +
-               enumerate(paths(found)) + "; say which");
+      complain("left out, but more than one " + link_->target +
+               " is in reach: " + enumerate(paths(found)) + "; say which");
       return nullptr;
     }
     if (link_->is_optional || !failed_.empty()) return nullptr;
@@ -120,8 +128,8 @@ class Resolver {
   }
 
   /// Ends a message about a path that will not do: "; did you mean ...?" or the candidates.
-  std::string proposals(const std::string& path) const {
-    constexpr std::size_t enough_errors = 100;  // proposals cost time: hostile input gets no more
+  std::string proposals(const std::string& path) {
+    constexpr std::size_t enough_errors = 20;  // proposals cost time: hostile input gets no more
     if (diagnostics_.errors() > enough_errors) return {};
     const std::vector<std::string> all = paths(candidates(scene_.root));
     if (all.empty()) return what_would_do();
@@ -138,7 +146,8 @@ class Resolver {
       return nullptr;
     }
     if (failed_.contains(path)) return nullptr;
-    if (Component* component = scene_.find(path)) {
+    if (const auto found = by_path_.find(path); found != by_path_.end()) {
+      Component* component = found->second;
       if (component == pending_->owner) {
         complain(as_written + " is the component itself" + proposals(path));
       } else if (link_->accepts(*component)) {
@@ -167,6 +176,8 @@ class Resolver {
   const Registry& registry_;
   const std::set<std::string>& failed_;
   Diagnostics& diagnostics_;
+  std::unordered_map<std::string, Component*> by_path_;
+  std::map<std::pair<const LinkInfo*, const Node*>, std::vector<Component*>> candidates_;
   const PendingLink* pending_ = nullptr;
   const LinkInfo* link_ = nullptr;
 };

@@ -87,8 +87,8 @@ bool load_plugin(Registry& registry, const std::string& name,
                 "' cannot be the name of a plugin: lower case letters, digits and '_' only");
 
   for (const std::string& directory : directories) {
-    const fs::path file = fs::path(directory) /
-                          (std::string(file_prefix) + name + std::string(file_suffix));
+    const fs::path file =
+        fs::path(directory) / (std::string(file_prefix) + name + std::string(file_suffix));
     std::error_code ignored;
     if (!fs::exists(file, ignored)) continue;
     // Never closed once enrolled: the registry holds functions that live in it.
@@ -152,8 +152,8 @@ std::vector<std::string> available_plugins(const std::vector<std::string>& direc
     for (fs::directory_iterator i(directory, ignored), end; i != end; i.increment(ignored)) {
       const std::string file = i->path().filename().string();
       if (file.starts_with(file_prefix) && file.ends_with(file_suffix))
-        names.push_back(file.substr(file_prefix.size(),
-                                    file.size() - file_prefix.size() - file_suffix.size()));
+        names.push_back(
+            file.substr(file_prefix.size(), file.size() - file_prefix.size() - file_suffix.size()));
     }
   }
   std::sort(names.begin(), names.end());

@@ -84,16 +84,17 @@ void SceneReader::report_unused_overrides() {
 std::vector<SceneReader::Value> SceneReader::values_of(const XmlElement& element,
                                                        const std::string& path) {
   std::vector<Value> values;
-  for (const XmlAttribute& a : element.attributes)
-    values.push_back({a.name, a.value, at(a.line)});
+  for (const XmlAttribute& a : element.attributes) values.push_back({a.name, a.value, at(a.line)});
   for (Override& o : overrides_) {
     if (o.path != path || o.attribute == "name" || o.attribute == "version") continue;
     const auto same = std::find_if(values.begin(), values.end(),
                                    [&](const Value& v) { return v.name == o.attribute; });
     const std::string target = path == "/" ? "" : path;
     Value value{o.attribute, o.value, {"--set " + shown(target + '.' + o.attribute), 0}};
-    if (same != values.end()) *same = std::move(value);
-    else values.push_back(std::move(value));
+    if (same != values.end())
+      *same = std::move(value);
+    else
+      values.push_back(std::move(value));
   }
   return values;
 }
@@ -152,11 +153,13 @@ void SceneReader::read_settings(const XmlElement& root) {
       read_seconds(scene_.duration, true);
     } else if (value.name == "gravity") {
       const auto g = parse_quantities(value.text, "m/s^2", why);
-      if (!g) complain(why);
+      if (!g)
+        complain(why);
       else if (g->size() != 3)
         complain("'" + shown(value.text) + "' has " + std::to_string(g->size()) +
                  " numbers; expected 3");
-      else scene_.gravity = Vec3((*g)[0], (*g)[1], (*g)[2]);
+      else
+        scene_.gravity = Vec3((*g)[0], (*g)[1], (*g)[2]);
     } else {
       const bool overridden = value.location.line == 0;  // said better with the other --set errors
       if (!overridden)
@@ -178,8 +181,10 @@ void SceneReader::read_plugins(const XmlElement& root) {
     reject_children(element, "");
     const XmlAttribute* name = nullptr;
     for (const XmlAttribute& a : element.attributes) {
-      if (a.name == "name") name = &a;
-      else error(at(a.line), "", "<plugin> has no attribute '" + shown(a.name) + "', only 'name'");
+      if (a.name == "name")
+        name = &a;
+      else
+        error(at(a.line), "", "<plugin> has no attribute '" + shown(a.name) + "', only 'name'");
     }
     if (!name) {
       error(at(element.line), "", "<plugin> needs a name, as in <plugin name=\"thread\"/>");
@@ -224,9 +229,9 @@ std::string SceneReader::name_of(const XmlElement& element, const std::string& f
     return {};
   }
   if (!is_name(name)) {
-    error(at(line), where,
-          "'" + shown(name) +
-              "' cannot be a name: a letter, then letters, digits, '_' and '-' only");
+    error(
+        at(line), where,
+        "'" + shown(name) + "' cannot be a name: a letter, then letters, digits, '_' and '-' only");
     return {};
   }
   if (!names.insert(name).second) {
@@ -237,8 +242,7 @@ std::string SceneReader::name_of(const XmlElement& element, const std::string& f
   return name;
 }
 
-void SceneReader::read_node(const XmlElement& element, Node& parent,
-                            std::set<std::string>& names) {
+void SceneReader::read_node(const XmlElement& element, Node& parent, std::set<std::string>& names) {
   const std::string name = name_of(element, "", parent, names);
   auto node = std::make_unique<Node>();
   node->name = name.empty() ? "?" : name;
@@ -247,20 +251,43 @@ void SceneReader::read_node(const XmlElement& element, Node& parent,
   node->parent = &parent;
   for (const XmlAttribute& a : element.attributes)
     if (a.name != "name")
-      error(at(a.line), node->path,
-            "<node> has no attribute '" + shown(a.name) + "', only 'name'");
+      error(at(a.line), node->path, "<node> has no attribute '" + shown(a.name) + "', only 'name'");
   reject_text(element, node->path);
   if (name.empty()) failed_.insert(node->path);
   parent.children.push_back(std::move(node));
   read_children(element, *parent.children.back());
 }
 
+/// The plugin among those found that would have had the component; empty if none has.
+std::string SceneReader::plugin_that_has(const std::string& tag) {
+  if (!looked_elsewhere_) {
+    looked_elsewhere_ = true;
+    for (const std::string& name : available_plugins(plugin_directories_)) {
+      if (registry_.has_plugin(name)) continue;
+      Registry other;
+      Diagnostics ignored;
+      load_plugin(other, name, plugin_directories_, {}, ignored);
+      for (const ComponentInfo* info : other.components()) elsewhere_[info->name] = name;
+    }
+  }
+  const auto found = elsewhere_.find(tag);
+  return found == elsewhere_.end() ? std::string() : found->second;
+}
+
 void SceneReader::unknown_component(const XmlElement& element, const std::string& path) {
   if (!all_plugins_loaded_) return;  // it may well come from the plugin that is missing
   std::vector<std::string> tags{"node", "plugin"};
   for (const ComponentInfo* info : registry_.components()) tags.push_back(info->name);
-  std::string message = "there is no component <" + shown(element.name) + ">";
   const std::string near = nearest_name(element.name, tags);
+  const std::string plugin = plugin_that_has(element.name);
+  if (!plugin.empty()) {
+    error(at(element.line), path,
+          "<" + element.name +
+              "> comes from a plugin that the scene does not name; add <plugin name=\"" + plugin +
+              "\"/>");
+    return;
+  }
+  std::string message = "there is no component <" + shown(element.name) + ">";
   if (!near.empty()) {
     message += "; did you mean <" + near + ">?";
   } else if (scene_.plugins.empty()) {
@@ -290,10 +317,11 @@ void SceneReader::read_component(const XmlElement& element, Node& node,
   if (info->plugin != "core" &&
       std::none_of(scene_.plugins.begin(), scene_.plugins.end(), is_its_plugin))
     error(at(element.line), path,
-          "<" + info->name + "> comes from a plugin that the scene does not name; add <plugin name=\"" +
+          "<" + info->name +
+              "> comes from a plugin that the scene does not name; add <plugin name=\"" +
               info->plugin + "\"/>");
-  Component& component = SceneBuilder::append(
-      scene_, node, SceneBuilder::create(*info, name, path, at(element.line)));
+  Component& component =
+      SceneBuilder::append(scene_, node, SceneBuilder::create(*info, name, path, at(element.line)));
   if (name.empty()) failed_.insert(path);
 
   std::vector<std::string>& known = attribute_names_[path];
@@ -339,9 +367,10 @@ void SceneReader::read_values(const XmlElement& element, Component& component, N
     if (value.name == "name" || std::find(known.begin(), known.end(), value.name) != known.end())
       continue;
     if (value.location.line == 0) continue;  // reported as an unused --set
+    const std::string meant = did_you_mean(value.name, known);
     error(value.location, component.path(),
           "<" + info.name + "> has no attribute '" + shown(value.name) + "'" +
-              did_you_mean(value.name, known));
+              (meant.empty() ? "; 'sutura describe " + info.name + "' lists what it has" : meant));
   }
 }
 

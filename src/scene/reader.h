@@ -28,7 +28,8 @@ class SceneReader {
   void read(const XmlElement& root);
 
   const std::vector<PendingLink>& links() const { return links_; }
-  /// Paths of elements that became nothing because of an error: links to them are not complained of.
+  /// Paths of elements that became nothing because of an error: links to them are not complained
+  /// of.
   const std::set<std::string>& failed() const { return failed_; }
 
  private:
@@ -51,6 +52,7 @@ class SceneReader {
   void read_values(const XmlElement& element, Component& component, Node& node,
                    const std::vector<Value>& values);
   void unknown_component(const XmlElement& element, const std::string& path);
+  std::string plugin_that_has(const std::string& tag);
 
   std::vector<Value> values_of(const XmlElement& element, const std::string& path);
   std::string name_of(const XmlElement& element, const std::string& fallback, const Node& parent,
@@ -70,6 +72,8 @@ class SceneReader {
   std::set<std::string> failed_;
   std::map<std::string, std::vector<std::string>> attribute_names_;  ///< by path, for --set
   bool all_plugins_loaded_ = true;
+  std::map<std::string, std::string> elsewhere_;  ///< tag to plugin, of plugins not named; lazy
+  bool looked_elsewhere_ = false;
 };
 
 /// "/" + "skin" -> "/skin".

@@ -2,7 +2,9 @@
 
 namespace sutura {
 
-std::vector<Component*> Scene::components() const { return order_; }
+std::vector<Component*> Scene::components() const {
+  return order_;
+}
 
 Component* Scene::find(std::string_view path) const {
   for (Component* component : order_)

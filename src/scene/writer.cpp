@@ -14,11 +14,20 @@ std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -69,10 +78,9 @@ class Writer {
     auto component = node.components.begin();
     auto child = node.children.begin();
     while (component != node.components.end() || child != node.children.end()) {
-      const bool child_first =
-          child != node.children.end() &&
-          (component == node.components.end() ||
-           first_position(**child) < position_.at(component->get()));
+      const bool child_first = child != node.children.end() &&
+                               (component == node.components.end() ||
+                                first_position(**child) < position_.at(component->get()));
       if (child_first) {
         out_ += indent + "<node";
         attribute("name", (*child)->name);
@@ -107,6 +115,8 @@ class Writer {
 
 }  // namespace
 
-std::string write_scene(const Scene& scene) { return Writer(scene).write(); }
+std::string write_scene(const Scene& scene) {
+  return Writer(scene).write();
+}
 
 }  // namespace sutura

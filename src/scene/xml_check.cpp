@@ -7,7 +7,9 @@ namespace sutura {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
 
 bool is_name_start(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
@@ -141,8 +143,7 @@ bool Scanner::attribute(std::vector<std::string_view>& seen, std::string_view el
   }
   if (at_end()) return fail("the file ends inside the value of " + quoted, begin);
   advance();
-  if (!at_end() && is_name_start(here()))
-    return fail("a blank is missing after " + quoted + where);
+  if (!at_end() && is_name_start(here())) return fail("a blank is missing after " + quoted + where);
   return true;
 }
 
@@ -186,8 +187,7 @@ bool Scanner::end_tag() {
     return fail("</" + shortened(element) + "> where </" + shortened(open_.back().name) +
                 "> was expected, opened at line " + std::to_string(open_.back().line));
   skip_blanks();
-  if (at_end() || here() != '>')
-    return fail("</" + shortened(element) + " is not followed by '>'");
+  if (at_end() || here() != '>') return fail("</" + shortened(element) + " is not followed by '>'");
   advance();
   open_.pop_back();
   root_closed_ = open_.empty();
@@ -220,12 +220,18 @@ bool Scanner::document() {
     if (!text_until_tag()) return false;
     if (at_end()) break;
     bool good;
-    if (starts("<!--")) good = skip_past("-->", "a comment");
-    else if (starts("<?")) good = skip_past("?>", "a processing instruction");
-    else if (starts("<![CDATA[")) good = fail("CDATA has no place in a scene");
-    else if (starts("<!")) good = fail("a document type has no place in a scene");
-    else if (starts("</")) good = end_tag();
-    else good = start_tag();
+    if (starts("<!--"))
+      good = skip_past("-->", "a comment");
+    else if (starts("<?"))
+      good = skip_past("?>", "a processing instruction");
+    else if (starts("<![CDATA["))
+      good = fail("CDATA has no place in a scene");
+    else if (starts("<!"))
+      good = fail("a document type has no place in a scene");
+    else if (starts("</"))
+      good = end_tag();
+    else
+      good = start_tag();
     if (!good) return false;
   }
   if (!open_.empty())

@@ -37,9 +37,9 @@ struct XmlElement {
 std::optional<XmlElement> parse_xml(std::string_view text, const std::string& file,
                                     Diagnostics& diagnostics);
 
-/// Limits, well-formedness that TinyXML2 does not check, and errors it reports without saying where:
-/// NUL bytes, document types, unknown entities, an attribute given twice, tags that do not match.
-/// True if `text` may be parsed.
+/// Limits, well-formedness that TinyXML2 does not check, and errors it reports without saying
+/// where: NUL bytes, document types, unknown entities, an attribute given twice, tags that do not
+/// match. True if `text` may be parsed.
 bool check_xml_text(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace sutura

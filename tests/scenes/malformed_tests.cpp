@@ -1,5 +1,5 @@
-// Every file in malformed/ is refused by the real command with the exit code, the line and the words
-// that its first line announces: <!-- expect: CODE | LINE | WORDS -->.
+// Every file in malformed/ is refused by the real command with the exit code, the line and the
+// words that its first line announces: <!-- expect: CODE | LINE | WORDS -->.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,8 @@ Expected expected_of(const std::string& text) {
   const std::string first = text.substr(0, text.find('\n'));
   const std::size_t bar = first.find(" | "), end = first.rfind(" -->");
   const std::size_t second = bar == std::string::npos ? bar : first.find(" | ", bar + 3);
-  if (!first.starts_with(head) || second == std::string::npos || end == std::string::npos) return {};
+  if (!first.starts_with(head) || second == std::string::npos || end == std::string::npos)
+    return {};
   Expected e;
   const auto number = [&](std::size_t begin, std::size_t stop, int& out) {
     std::from_chars(first.data() + begin, first.data() + stop, out);
@@ -58,7 +59,8 @@ TEST_P(Malformed, IsRefusedAsAnnounced) {
   EXPECT_EQ(out.code, e.code) << out.text;
   const std::string where = file.string() + ':' + std::to_string(e.line) + ": error: ";
   bool said = false;
-  for (std::size_t at = out.text.find(where); at != std::string::npos; at = out.text.find(where, at + 1)) {
+  for (std::size_t at = out.text.find(where); at != std::string::npos;
+       at = out.text.find(where, at + 1)) {
     const std::string line = out.text.substr(at, out.text.find('\n', at) - at);
     said = said || line.find(e.words) != std::string::npos;
   }
@@ -68,17 +70,22 @@ TEST_P(Malformed, IsRefusedAsAnnounced) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Malformed, testing::ValuesIn(names()),
                          [](const auto& info) { return info.param; });
 
-TEST(MalformedScenes, AreAtLeastSixty) { EXPECT_GE(names().size(), 60u); }
+TEST(MalformedScenes, AreAtLeastSixty) {
+  EXPECT_GE(names().size(), 60u);
+}
 
 // What cannot be a file with a first line that announces something.
 
 TEST(MalformedScenes, MissingFile) {
   const Outcome out = command("check /nowhere/at/all.xml");
   EXPECT_EQ(out.code, 3);
-  EXPECT_NE(out.text.find("/nowhere/at/all.xml: error: the scene does not exist"), std::string::npos);
+  EXPECT_NE(out.text.find("/nowhere/at/all.xml: error: the scene does not exist"),
+            std::string::npos);
 }
 
-TEST(MalformedScenes, Folder) { EXPECT_EQ(command("check /").code, 3); }
+TEST(MalformedScenes, Folder) {
+  EXPECT_EQ(command("check /").code, 3);
+}
 
 TEST(MalformedScenes, EmptyFile) {
   const TemporaryFolder temporary("malformed");

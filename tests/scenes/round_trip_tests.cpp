@@ -11,10 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> scenes() {
-  std::vector<fs::path> out;
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(SUTURA_SOURCE_DIR) / "scenes"))
-    if (entry.path().extension() == ".xml") out.push_back(entry.path());
+const fs::path folder = fs::path(SUTURA_SOURCE_DIR) / "scenes";
+
+/// Below scenes/, without it.
+std::vector<std::string> scenes() {
+  std::vector<std::string> out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().extension() == ".xml")
+      out.push_back(entry.path().lexically_relative(folder).string());
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -45,10 +49,10 @@ std::string trace(std::unique_ptr<Scene> scene, Diagnostics& diagnostics) {
   return out;
 }
 
-class RoundTrip : public testing::TestWithParam<fs::path> {};
+class RoundTrip : public testing::TestWithParam<std::string> {};
 
 TEST_P(RoundTrip, RunsToTheSameBits) {
-  const fs::path file = GetParam();
+  const fs::path file = folder / GetParam();
   const LoadOptions options{.plugin_directories = {SUTURA_BINARY_DIR "/lib/sutura"}};
   Registry registry;
   enrol_builtin(registry);
@@ -56,19 +60,23 @@ TEST_P(RoundTrip, RunsToTheSameBits) {
   auto first = load_scene(file, registry, diagnostics, options);
   ASSERT_TRUE(first) << (diagnostics.all().empty() ? "" : diagnostics.all().front().text());
   const std::string written = write_scene(*first);
-  auto second = load_scene_text(written, "written.xml", file.parent_path(), registry, diagnostics, options);
+  auto second =
+      load_scene_text(written, "written.xml", file.parent_path(), registry, diagnostics, options);
   ASSERT_TRUE(second) << diagnostics.all().front().text() << '\n' << written;
   EXPECT_EQ(write_scene(*second), written);
   EXPECT_EQ(second->duration, first->duration);
-  const std::string a = trace(std::move(first), diagnostics), b = trace(std::move(second), diagnostics);
+  const std::string a = trace(std::move(first), diagnostics),
+                    b = trace(std::move(second), diagnostics);
   EXPECT_TRUE(diagnostics.ok());
   EXPECT_FALSE(a.empty());
   EXPECT_EQ(a, b) << written;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RoundTrip, testing::ValuesIn(scenes()), [](const auto& info) {
-  std::string name = info.param.parent_path().filename().string() + "_" + info.param.stem().string();
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::string name = info.param;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); },
+      '_');
   return name;
 });
 

@@ -2,6 +2,7 @@
 // steps and turns. Every test prints its numbers into the test report.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <random>
 
@@ -39,6 +40,24 @@ struct BlockScene {
     if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;
     const Mat3 R = U * svd.matrixV().transpose();
     return ((x.colwise() - c) - R * (X.colwise() - C)).colwise().norm().maxCoeff();
+  }
+  /// Takes the rotation of a free body as a whole off its velocity; returns its angular speed.
+  Real remove_spin() {
+    const std::vector<Real>& mass = tissue().node_mass();
+    const VecX x = tissue().positions();
+    VecX v = tissue().velocities();
+    Vec3 centre = Vec3::Zero(), momentum = Vec3::Zero();
+    for (std::size_t i = 0; i < mass.size(); ++i) centre += mass[i] / tissue().mass() * x.segment<3>(3 * static_cast<Index>(i));
+    Mat3 inertia = Mat3::Zero();
+    for (std::size_t i = 0; i < mass.size(); ++i) {
+      const Vec3 r = x.segment<3>(3 * static_cast<Index>(i)) - centre;
+      momentum += mass[i] * r.cross(Vec3(v.segment<3>(3 * static_cast<Index>(i))));
+      inertia += mass[i] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+    }
+    const Vec3 spin = inertia.inverse() * momentum;
+    for (Index i = 0; i < v.size(); i += 3) v.segment<3>(i) -= spin.cross(Vec3(x.segment<3>(i) - centre));
+    tissue().set_state(x, v);
+    return spin.norm();
   }
   std::unique_ptr<TissueScene> scene;
   VecX rest;
@@ -100,20 +119,26 @@ TEST_P(E2, MirroredCubeTurnsItselfRight) {
   EXPECT_LE(energy, 1);
 }
 
+// One linearisation per step conserves linear momentum but not angular momentum while strains are of order one, so the cube
+// comes out of its heap whole and spinning: at 2 to 7 rad/s, 0.1 % of the energy. Spinning stretches it by 2e-3 to 6e-3
+// edges, more than the 1e-3 of E2 (c): without the spin it is met.
 TEST_P(E2, ScatteredNodesFindTheirShape) {
   std::mt19937 random(11);
   std::uniform_real_distribution<Real> u(-5 * edge, 5 * edge);
   VecX x = block.rest;
   for (Index i = 0; i < x.size(); ++i) x[i] = u(random);
   block.tissue().set_state(x, zero);
-  Real energy = 0;
-  const int back = run(200, energy);
-  record("steps_to_rest", back);
+  Real energy = 0, later = 0;
+  run(150, energy);
   record("highest_energy_over_first", energy);
-  record("inverted_at_end", static_cast<Real>(block.tissue().inverted()));
+  record("inverted_after_150_steps", static_cast<Real>(block.tissue().inverted()));
+  record("spinning_error_edges", block.shape_error() / edge);
+  record("spin_rad_per_s", block.remove_spin());
+  run(50, later);
   record("final_error_edges", block.shape_error() / edge);
-  EXPECT_GT(back, 0);
   EXPECT_LE(energy, 1);
+  EXPECT_EQ(block.tissue().inverted(), 0);
+  EXPECT_LT(block.shape_error(), 1e-3 * edge);
 }
 
 INSTANTIATE_TEST_SUITE_P(Poisson, E2, ::testing::Values(0.3, 0.45),
@@ -139,9 +164,11 @@ TEST(E1, TurningABlockByHandInStepsOfAnySize) {
   EXPECT_LT(worst, 1e-12);
 }
 
-// A block flung round by 180 degrees within one step (pi / h = 314 rad/s) must neither break nor gain energy.
-TEST(Stability, BlockFlungByHalfATurnInOneStep) {
-  BlockScene block(kuhn_block({4, 4, 4}, Vec3::Constant(0.05)), "<Tissue young='10 kPa' poisson='0.45'/>");
+// A block flung round by 180 degrees within one step (pi / h = 314 rad/s) must neither break nor gain energy: with a single
+// linearisation it gains seventeenfold, so the step takes more where the first one gains any.
+class Flung : public ::testing::TestWithParam<int> {};
+TEST_P(Flung, ByHalfATurnInOneStep) {
+  BlockScene block(kuhn_block({4, 4, 4}, Vec3::Constant(0.05)), "<Tissue young='10 kPa' poisson='0.45' iterations='" + std::to_string(GetParam()) + "'/>");
   VecX v(block.rest.size());
   const Vec3 axis = Vec3(0.3, 1, 0.2).normalized() * M_PI / 0.01, centre(0.025, 0.025, 0.025);
   for (Index i = 0; i < v.size(); i += 3) v.segment<3>(i) = axis.cross(block.rest.segment<3>(i) - centre);
@@ -156,8 +183,11 @@ TEST(Stability, BlockFlungByHalfATurnInOneStep) {
   record("energy_at_end_over_first", block.tissue().energy() / start);
   record("inverted_at_end", static_cast<Real>(block.tissue().inverted()));
   record("shape_error_edges", block.shape_error() / 0.0125);
+  EXPECT_LE(highest, 1);
   EXPECT_EQ(block.tissue().inverted(), 0);
+  EXPECT_LT(block.shape_error() / 0.0125, 0.1);  // whole again, and still spinning: that stretches it
 }
+INSTANTIATE_TEST_SUITE_P(Iterations, Flung, ::testing::Values(1, 3));
 
 TEST(Stability, NearlyIncompressibleBlockHangsStill) {
   BlockScene block(kuhn_block({4, 4, 8}, Vec3(0.02, 0.02, 0.04)),

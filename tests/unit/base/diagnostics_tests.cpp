@@ -1,6 +1,6 @@
-#include "sutura/diagnostics.h"
-
 #include <gtest/gtest.h>
+
+#include "sutura/diagnostics.h"
 
 namespace sutura {
 namespace {

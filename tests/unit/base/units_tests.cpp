@@ -1,12 +1,12 @@
 // Numbers and units in text. Expected values are the literals that C++ itself reads, so equality is
 // exact unless an angle (a product with pi) is involved.
-#include "sutura/units.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "sutura/units.h"
 
 namespace sutura {
 namespace {
@@ -90,8 +90,9 @@ TEST(Units, UnknownUnitsAreRefusedWithTheNearest) {
 }
 
 TEST(Units, WhatIsNoNumberIsRefused) {
-  for (const char* text : {"", " ", "nan", "NaN", "inf", "-inf", "infinity", "0x10", "abc", "-", "+",
-                           ".", "e5", "1e999", "-1e999", "1,5", "1 2", "--1", "1.2.3", "1e999 mm"})
+  for (const char* text :
+       {"",  " ", "nan", "NaN",   "inf",    "-inf", "infinity", "0x10", "abc",   "-",
+        "+", ".", "e5",  "1e999", "-1e999", "1,5",  "1 2",      "--1",  "1.2.3", "1e999 mm"})
     refuse(text, "m");
   EXPECT_NE(refuse("1,5", "m").find("decimal sign is a point"), std::string::npos);
 }
@@ -109,8 +110,8 @@ TEST(Units, ListsShareTheUnitAtTheirEnd) {
   EXPECT_EQ(parse_quantities("1, 2,-3", "m", error), (std::vector<Real>{1, 2, -3}));
   EXPECT_EQ(parse_quantities(" 1\n 2\t3 1/s ", "1/s", error), (std::vector<Real>{1, 2, 3}));
   EXPECT_EQ(parse_quantities("4mm", "m", error), (std::vector<Real>{4e-3}));
-  for (const char* text : {"", "mm", "1 2 3 Pa", "1 2 3 mn", "1,,2", "1,2,", ",1", "1 mm 2 mm", "1 nan",
-                           "12-3", "1.2.3", "1;2", "1 2 3 m 4", "1 1e999"})
+  for (const char* text : {"", "mm", "1 2 3 Pa", "1 2 3 mn", "1,,2", "1,2,", ",1", "1 mm 2 mm",
+                           "1 nan", "12-3", "1.2.3", "1;2", "1 2 3 m 4", "1 1e999"})
     EXPECT_FALSE(parse_quantities(text, "m", error).has_value()) << text;
 }
 
@@ -128,7 +129,8 @@ TEST(Units, ListsSayWhatIsWrong) {
 }
 
 TEST(Units, FormattedNumbersReadBackTheSame) {
-  for (const Real value : {0.0, -0.0, 1.0, 0.1, 1.0 / 3, 2e-308, 5e-324, 1.7976931348623157e308, -30e3}) {
+  for (const Real value :
+       {0.0, -0.0, 1.0, 0.1, 1.0 / 3, 2e-308, 5e-324, 1.7976931348623157e308, -30e3}) {
     const auto back = parse_real(format_real(value));
     ASSERT_TRUE(back.has_value()) << format_real(value);
     EXPECT_EQ(*back, value);

@@ -23,12 +23,56 @@ const std::string good = R"(<?xml version="1.0"?>
 )";
 
 /// Pieces that matter to the grammar of XML, of numbers, of paths and of names.
-const std::vector<std::string> pieces{
-    "<",    ">",      "/>",   "</",   "\"",     "'",       "&",    "&amp;", ";",       "=",   "<!--", "-->",
-    "<?",   "?>",     "<![",  "]]>",  "<!",     "\n",      "\t",   "..",    "/",       ".",   "nan",  "inf",
-    "1e999", "-",     "+",    "0x",   "1e-400", "mm",      "^",    "^-9",   "1/s",     ",",   "%",    "\xff",
-    "\xc2", std::string(1, '\0'), "99999999999999999999", "<node name='a'>", "</node>", "<Ball/>",
-    "<plugin name='x'/>", "name=\"ball\"", "shape=''", "version", "sutura", "&#0;", "&#x41;", " "};
+const std::vector<std::string> pieces{"<",
+                                      ">",
+                                      "/>",
+                                      "</",
+                                      "\"",
+                                      "'",
+                                      "&",
+                                      "&amp;",
+                                      ";",
+                                      "=",
+                                      "<!--",
+                                      "-->",
+                                      "<?",
+                                      "?>",
+                                      "<![",
+                                      "]]>",
+                                      "<!",
+                                      "\n",
+                                      "\t",
+                                      "..",
+                                      "/",
+                                      ".",
+                                      "nan",
+                                      "inf",
+                                      "1e999",
+                                      "-",
+                                      "+",
+                                      "0x",
+                                      "1e-400",
+                                      "mm",
+                                      "^",
+                                      "^-9",
+                                      "1/s",
+                                      ",",
+                                      "%",
+                                      "\xff",
+                                      "\xc2",
+                                      std::string(1, '\0'),
+                                      "99999999999999999999",
+                                      "<node name='a'>",
+                                      "</node>",
+                                      "<Ball/>",
+                                      "<plugin name='x'/>",
+                                      "name=\"ball\"",
+                                      "shape=''",
+                                      "version",
+                                      "sutura",
+                                      "&#0;",
+                                      "&#x41;",
+                                      " "};
 
 std::string mutate(std::string text, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
@@ -36,12 +80,24 @@ std::string mutate(std::string text, std::mt19937& random) {
     const std::size_t at = below(text.size());
     const std::size_t length = std::min<std::size_t>(1 + below(12), text.size() - at);
     switch (below(6)) {
-      case 0: text.erase(at, length); break;
-      case 1: text.insert(at, pieces[below(pieces.size())]); break;
-      case 2: text.replace(at, length, pieces[below(pieces.size())]); break;
-      case 3: text[at] = static_cast<char>(below(256)); break;
-      case 4: text.insert(below(text.size()), text.substr(at, length * 4)); break;
-      case 5: text.resize(at); break;
+      case 0:
+        text.erase(at, length);
+        break;
+      case 1:
+        text.insert(at, pieces[below(pieces.size())]);
+        break;
+      case 2:
+        text.replace(at, length, pieces[below(pieces.size())]);
+        break;
+      case 3:
+        text[at] = static_cast<char>(below(256));
+        break;
+      case 4:
+        text.insert(below(text.size()), text.substr(at, length * 4));
+        break;
+      case 5:
+        text.resize(at);
+        break;
     }
   }
   return text;

@@ -19,7 +19,8 @@ TEST(Links, OnlyOneInReach) {
   EXPECT_EQ(shape_of("<Rod/><Ball/>", "/rod"), "/ball");  // order is no matter
   EXPECT_EQ(shape_of("<Ball/><node name='n'><Rod/></node>", "/n/rod"), "/ball");
   EXPECT_EQ(shape_of("<Rod/><node name='n'><Ball/></node>", "/rod"), "/n/ball");
-  EXPECT_EQ(shape_of("<node name='m'><Rod/></node><node name='n'><Ball/></node>", "/m/rod"), "/n/ball");
+  EXPECT_EQ(shape_of("<node name='m'><Rod/></node><node name='n'><Ball/></node>", "/m/rod"),
+            "/n/ball");
 }
 
 TEST(Links, TheNearestLevelDecides) {
@@ -31,16 +32,18 @@ TEST(Links, TheNearestLevelDecides) {
 TEST(Links, MoreThanOneIsAnErrorThatListsThem) {
   const auto l = load("<Ball/><node name='n'><CubeBox edge='1'/></node>\n<Rod/>");
   EXPECT_FALSE(l->scene);
-  EXPECT_EQ(l->text(),
-            "t.xml:3: error: [/rod] shape: left out, but more than one Shape is in reach: /ball and "
-            "/n/cube_box; say which\n");
+  EXPECT_EQ(
+      l->text(),
+      "t.xml:3: error: [/rod] shape: left out, but more than one Shape is in reach: /ball and "
+      "/n/cube_box; say which\n");
 }
 
 TEST(Links, NoneIsAnErrorThatSaysWhatWouldDo) {
   const auto l = load("<Rod/>");
   EXPECT_FALSE(l->scene);
-  EXPECT_EQ(l->text(),
-            "t.xml:2: error: [/rod] shape: no Shape is in the scene; <Ball> and <CubeBox> would do\n");
+  EXPECT_EQ(
+      l->text(),
+      "t.xml:2: error: [/rod] shape: no Shape is in the scene; <Ball> and <CubeBox> would do\n");
 }
 
 TEST(Links, ByPath) {
@@ -53,7 +56,8 @@ TEST(Links, ByPath) {
 }
 
 TEST(Links, APathToANodeMeansTheOnlyOneInIt) {
-  EXPECT_EQ(shape_of("<node name='n'><Ball/></node><node name='m'><Ball/></node><Rod shape='n'/>", "/rod"),
+  EXPECT_EQ(shape_of("<node name='n'><Ball/></node><node name='m'><Ball/></node><Rod shape='n'/>",
+                     "/rod"),
             "/n/ball");
   const auto many = load("<node name='n'><Ball/><CubeBox edge='1'/></node><Rod shape='n'/>");
   EXPECT_NE(many->text().find("more than one Shape is in the node 'n': /n/ball and /n/cube_box"),
@@ -91,7 +95,8 @@ TEST(Links, OptionalMayStayEmpty) {
 
 TEST(Links, RingsAreErrors) {
   const auto l = load(
-      "<Ball/><Rod name='a' next='b'/>\n<Rod name='b' next='c'/><Rod name='c' next='a'/><Rod name='d' next='a'/>");
+      "<Ball/><Rod name='a' next='b'/>\n<Rod name='b' next='c'/><Rod name='c' next='a'/><Rod "
+      "name='d' next='a'/>");
   EXPECT_FALSE(l->scene);
   EXPECT_EQ(l->text(), "t.xml:2: error: [/a] links form a ring: /a -> /b -> /c -> /a\n");
 }

@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Sets a locale that writes 1.5 as "1,5" for C and C++ alike, compiling one if the system has none.
+/// Sets a locale that writes 1.5 as "1,5" for C and C++ alike, compiling one if the system has
+/// none.
 class CommaLocale : public testing::Test {
  protected:
   void SetUp() override {
@@ -22,8 +23,8 @@ class CommaLocale : public testing::Test {
       if (set(name)) return;
     folder_ = fs::temp_directory_path() / ("sutura_locale_" + std::to_string(::getpid()));
     fs::create_directories(folder_);
-    const std::string command = "localedef -i de_DE -f UTF-8 '" + (folder_ / "de_DE.UTF-8").string() +
-                                "' >/dev/null 2>&1";
+    const std::string command =
+        "localedef -i de_DE -f UTF-8 '" + (folder_ / "de_DE.UTF-8").string() + "' >/dev/null 2>&1";
     const bool made = std::system(command.c_str()) == 0;
     ::setenv("LOCPATH", folder_.c_str(), 1);
     if (!made || !set("de_DE.UTF-8")) GTEST_SKIP() << "no locale with decimal commas can be had";
@@ -50,8 +51,9 @@ TEST_F(CommaLocale, ChangesNothing) {
   char shown[16];
   std::snprintf(shown, sizeof shown, "%.1f", 1.5);
   ASSERT_STREQ(shown, "1,5");  // the locale is there indeed
-  const auto l = load("<Ball radius='1.5 mm' count='1000' centre='0.5 -1.5e-1 2' weights='0.1 2,5'/>",
-                      {.overrides = {{".dt", "2.5 ms"}}});
+  const auto l =
+      load("<Ball radius='1.5 mm' count='1000' centre='0.5 -1.5e-1 2' weights='0.1 2,5'/>",
+           {.overrides = {{".dt", "2.5 ms"}}});
   ASSERT_TRUE(l->scene) << l->text();
   EXPECT_EQ(l->get<Ball>("/ball").radius, 1.5e-3);
   EXPECT_EQ(l->get<Ball>("/ball").centre, Vec3(0.5, -0.15, 2));

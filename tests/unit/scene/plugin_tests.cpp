@@ -1,6 +1,4 @@
 // The handshake, and loading from files that are no plugins.
-#include "sutura/plugin.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -8,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "sutura/plugin.h"
 #include "unit/scene/toys.h"
 
 namespace sutura::toys {
@@ -20,10 +19,13 @@ void enrol_toys(Registry& r) {
   ++enrolled;
   r.component<Ball>("Ball");
 }
-void enrol_throwing(Registry&) { throw std::runtime_error("no memory of it"); }
+void enrol_throwing(Registry&) {
+  throw std::runtime_error("no memory of it");
+}
 
 PluginHeader good_header() {
-  return {sizeof(PluginHeader), SUTURA_ABI, SUTURA_BUILD_TAG, "toys", "1.0", "Apache-2.0", enrol_toys};
+  return {sizeof(PluginHeader), SUTURA_ABI, SUTURA_BUILD_TAG, "toys", "1.0",
+          "Apache-2.0",         enrol_toys};
 }
 
 TEST(Plugin, EveryFieldOfTheHandshakeIsCompared) {
@@ -85,7 +87,8 @@ TEST(Plugin, AnExceptionWhileEnrollingIsAnError) {
   PluginHeader h = good_header();
   h.enrol = enrol_throwing;
   EXPECT_FALSE(enrol_plugin(r, h, d));
-  EXPECT_NE(d.all().front().message.find("failed while enrolling: no memory of it"), std::string::npos);
+  EXPECT_NE(d.all().front().message.find("failed while enrolling: no memory of it"),
+            std::string::npos);
 }
 
 TEST(Registry, SortsByPluginThenName) {
@@ -149,8 +152,10 @@ TEST_F(PluginFiles, PathVariableComesFirst) {
   const std::string saved = before ? before : "";
   ::setenv("SUTURA_PLUGIN_PATH", "/first::/second", 1);
   const auto folders = default_plugin_directories();
-  if (before) ::setenv("SUTURA_PLUGIN_PATH", saved.c_str(), 1);
-  else ::unsetenv("SUTURA_PLUGIN_PATH");
+  if (before)
+    ::setenv("SUTURA_PLUGIN_PATH", saved.c_str(), 1);
+  else
+    ::unsetenv("SUTURA_PLUGIN_PATH");
   ASSERT_EQ(folders.size(), 3u);
   EXPECT_EQ(folders[0], "/first");
   EXPECT_EQ(folders[1], "/second");

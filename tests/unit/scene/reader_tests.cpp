@@ -13,7 +13,8 @@ bool has(const Loaded& loaded, const std::string& text) {
 #define EXPECT_SAYS(loaded, what) EXPECT_TRUE(has(*(loaded), what)) << (loaded)->text()
 
 TEST(Reader, ReadsEveryTypeOfAttribute) {
-  const auto l = load(R"(<Ball radius="5 mm" stiffness="2 kPa" count="7" hollow="true" label="a &lt; b"
+  const auto l =
+      load(R"(<Ball radius="5 mm" stiffness="2 kPa" count="7" hollow="true" label="a &lt; b"
       file="x/y.msh" centre="1 2 3 mm" weights="1 2 3 N/mm" colour="green"/>)");
   ASSERT_TRUE(l->scene) << l->text();
   const Ball& b = l->get<Ball>("/ball");
@@ -42,7 +43,8 @@ TEST(Reader, SettingsOfTheScene) {
 }
 
 TEST(Reader, NodesNestAndNamesFollowTags) {
-  const auto l = load(R"(<node name="a"><node name="b"><CubeBox edge="1"/><Ball name="x-1"/></node></node>
+  const auto l =
+      load(R"(<node name="a"><node name="b"><CubeBox edge="1"/><Ball name="x-1"/></node></node>
 <Ball/>)");
   ASSERT_TRUE(l->scene) << l->text();
   const auto all = l->scene->components();
@@ -67,12 +69,14 @@ TEST(Reader, DefaultNames) {
 }
 
 struct Refusal {
-  const char* body;   // from line 2 of the file on
-  int line;           // of the error
-  const char* says;   // part of the message
+  const char* body;  // from line 2 of the file on
+  int line;          // of the error
+  const char* says;  // part of the message
 };
 
-void PrintTo(const Refusal& r, std::ostream* out) { *out << r.body; }
+void PrintTo(const Refusal& r, std::ostream* out) {
+  *out << r.body;
+}
 
 class Refuses : public testing::TestWithParam<Refusal> {};
 
@@ -109,7 +113,8 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Attributes, Refuses,
     testing::Values(
-        Refusal{"<Ball raduis=\"1\"/>", 2, "[/ball] <Ball> has no attribute 'raduis'; did you mean 'radius'?"},
+        Refusal{"<Ball raduis=\"1\"/>", 2,
+                "[/ball] <Ball> has no attribute 'raduis'; did you mean 'radius'?"},
         Refusal{"<Ball\n radius=\"0\"/>", 3, "radius: '0' is out of range: it must be above 0 m"},
         Refusal{"<Ball stiffness=\"2 GPa\"/>", 2, "between 0 and 1e+09 Pa"},
         Refusal{"<Ball radius=\"nan\"/>", 2, "radius: 'nan' is not a number"},
@@ -207,9 +212,12 @@ TEST(Overrides, AreCheckedLikeTheFile) {
     EXPECT_EQ(l->diagnostics.errors(), 1u) << l->text();
     EXPECT_SAYS(l, says);
   };
-  refuse("/a/ball.raduis", "1", "--set /a/ball.raduis: error: [/a/ball] there is no attribute 'raduis'; did you mean 'radius'?");
+  refuse("/a/ball.raduis", "1",
+         "--set /a/ball.raduis: error: [/a/ball] there is no attribute 'raduis'; did you mean "
+         "'radius'?");
   refuse("/a/bal.radius", "1", "no component /a/bal; did you mean '/a/ball'?");
-  refuse("/a/ball.radius", "-1", "--set /a/ball.radius: error: [/a/ball] radius: '-1' is out of range");
+  refuse("/a/ball.radius", "-1",
+         "--set /a/ball.radius: error: [/a/ball] radius: '-1' is out of range");
   refuse("/a/ball.name", "x", "no attribute 'name'");
   refuse("/a.x", "1", "no component /a");
   refuse(".dz", "1", "no attribute 'dz'");

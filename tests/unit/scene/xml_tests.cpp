@@ -13,7 +13,9 @@ struct Broken {
   const char* says;
 };
 
-void PrintTo(const Broken& b, std::ostream* out) { *out << b.says; }
+void PrintTo(const Broken& b, std::ostream* out) {
+  *out << b.says;
+}
 
 class NotXml : public testing::TestWithParam<Broken> {};
 
@@ -44,18 +46,20 @@ INSTANTIATE_TEST_SUITE_P(
     Texts, NotXml,
     testing::Values(
         Broken{"", 1, "the file is empty"}, Broken{" \n ", 1, "the file is empty"},
-        Broken{"<!-- only -->", 1, "has no element"},
-        Broken{"hello", 1, "this is not XML"}, Broken{"{\"a\": 1}", 1, "this is not XML"},
+        Broken{"<!-- only -->", 1, "has no element"}, Broken{"hello", 1, "this is not XML"},
+        Broken{"{\"a\": 1}", 1, "this is not XML"},
         Broken{"<sutura version='1'>\n<Ball/>", 1, "ends before </sutura>"},
         Broken{"<sutura version='1'>\n<Ball", 2, "ends inside the tag <Ball>"},
-        Broken{"<sutura version='1'>\n<Ball radius='1", 2, "ends inside the value of attribute 'radius'"},
+        Broken{"<sutura version='1'>\n<Ball radius='1", 2,
+               "ends inside the value of attribute 'radius'"},
         Broken{"<sutura version='1'>\n<!-- ", 2, "ends inside a comment"},
         Broken{"<sutura version='1'>\n<?x ", 2, "ends inside a processing instruction"},
         Broken{"<sutura version='1'>\n<Ball\n radius='1'\n radius='2'/></sutura>", 4,
                "attribute 'radius' is given twice in <Ball>"},
         Broken{"<sutura version='1'>\n<Ball radius/></sutura>", 2, "'radius' has no value"},
         Broken{"<sutura version='1'>\n<Ball radius=1/></sutura>", 2, "not in quotes"},
-        Broken{"<sutura version='1'>\n<Ball radius='1'count='1'/></sutura>", 2, "a blank is missing"},
+        Broken{"<sutura version='1'>\n<Ball radius='1'count='1'/></sutura>", 2,
+               "a blank is missing"},
         Broken{"<sutura version='1'>\n<Ball radius='1/>\n</sutura>", 2, "are not closed"},
         Broken{"<sutura version='1'>\n<Ball =/></sutura>", 2, "'=' where an attribute"},
         Broken{"<sutura version='1'>\n<node name='a'>\n</nod></sutura>", 3,
@@ -71,8 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"<sutura version='1'>\n< Ball/></sutura>", 2, "not followed by the name"},
         Broken{"<sutura version='1'>\n<Ball/>\0</sutura>"s, 2, "NUL"},
         Broken{"<\0s\0u\0t\0"s, 1, "NUL"},
-        Broken{"<sutura version='1'>\n" + repeated("<node name='a'>", 64) + repeated("</node>", 64) +
-                   "</sutura>",
+        Broken{"<sutura version='1'>\n" + repeated("<node name='a'>", 64) +
+                   repeated("</node>", 64) + "</sutura>",
                2, "nested deeper than 64"},
         Broken{repeated("<a>", 1000000), 1, "nested deeper than 64"},
         Broken{many_attributes(), 2, "more than 64 attributes in <Ball>"},
@@ -99,7 +103,8 @@ TEST(Xml, LinesOfElementsAndAttributes) {
 
 TEST(Xml, ByteOrderMarkCommentsAndEntities) {
   const auto l = load_raw(
-      "\xEF\xBB\xBF<?xml version='1.0' encoding='UTF-8'?>\n<!-- a -- b --><sutura version='1'><Ball "
+      "\xEF\xBB\xBF<?xml version='1.0' encoding='UTF-8'?>\n<!-- a -- b --><sutura "
+      "version='1'><Ball "
       "label='&lt;&gt;&amp;&quot;&apos;&#65;&#x42; \u00b5 > '/></sutura>\n<!-- end -->\n");
   ASSERT_TRUE(l->scene) << l->text();
   EXPECT_EQ(l->get<Ball>("/ball").label, "<>&\"'AB \u00b5 > ");

@@ -2,19 +2,11 @@
 // cutting, path and friction between a rigid needle and a slab on a spring. Reference c03: quasi-static closed form.
 #include <gtest/gtest.h>
 
-#include <iomanip>
-#include <numbers>
-#include <sstream>
+#include <algorithm>
+#include <cmath>
 
 #include "csv.h"
-#include "cutting.h"
-#include "cutting_law.h"
-#include "fake_bodies.h"
-#include "path_friction.h"
-#include "path_friction_law.h"
-#include "puncture.h"
-#include "puncture_law.h"
-#include "sutura/simulation.h"
+#include "slab_scene.h"
 
 namespace sutura::testing {
 namespace {
@@ -101,13 +93,6 @@ Layers layers_of(const Reference& r) {
   return out;
 }
 
-std::string list(const std::vector<Real>& values, const std::string& unit) {
-  std::ostringstream text;
-  text << std::setprecision(12);
-  for (const Real v : values) text << v << ' ';
-  return text.str() + unit;
-}
-
 class PunctureCurve : public ::testing::TestWithParam<std::tuple<std::size_t, Real>> {};
 
 TEST_P(PunctureCurve, FollowsTheClosedForm) {
@@ -116,40 +101,16 @@ TEST_P(PunctureCurve, FollowsTheClosedForm) {
   const Layers layers = layers_of(ref);
   const Real speed = 10e-3;  // m/s
   const Real far = ref.points[ref.turn()].position;
-  const Real diameter = 0.5e-3;
-  std::vector<Real> tags;
-  for (std::size_t i = 0; i < layers.puncture.size(); ++i) tags.push_back(Real(i + 1));
-
-  const Real turn = far / speed;
-  const Real pressure = ref.tau / (std::numbers::pi * diameter);  // with friction coefficient 1
-  const std::string scene =
-      R"(<sutura version="1" gravity="0 0 0" dt=")" + list({dt}, "s") + R"(">
-           <RigidNeedle radius="0.25 mm" times=")" + list({0, turn, 2 * turn}, "s") +
-      R"(" travel=")" + list({0, far, 0}, "m") + R"("/>
-           <SpringSlab stiffness=")" + list({ref.K}, "N/m") +
-      (layers.depth.empty() ? "" : "\" layers=\"" + list(layers.depth, "m")) + R"("/>
-           <SuturePath spacing="0.5 mm"/>
-           <Cutting regions=")" + list(tags, "") + R"(" region_thresholds=")" +
-      list(layers.cutting, "N") + R"("/>
-           <PathFriction coefficient="1" pressure=")" + list({pressure}, "Pa") + R"("/>
-           <Puncture regions=")" + list(tags, "") + R"(" region_thresholds=")" +
-      list(layers.puncture, "N") + R"("/>
-         </sutura>)";
-
+  SlabScene scene{.dt = dt,
+                  .stiffness = ref.K,
+                  .drag = ref.tau,
+                  .punctures = layers.puncture,
+                  .cuts = layers.cutting,
+                  .turns = {0, far, 0},
+                  .speed = speed};
+  scene.tops.insert(scene.tops.end(), layers.depth.begin(), layers.depth.end());
   Registry registry;
-  enrol_builtin(registry);
-  registry.component<RigidNeedle>("RigidNeedle");
-  registry.component<SpringSlab>("SpringSlab");
-  registry.component<SuturePath>("SuturePath");
-  registry.component<Cutting>("Cutting");
-  registry.component<Puncture>("Puncture");
-  registry.component<PathFriction>("PathFriction");
-  Diagnostics diagnostics;
-  auto loaded = load_scene_text(scene, "c03", ".", registry, diagnostics);
-  for (const Diagnostic& d : diagnostics.all()) ADD_FAILURE() << d.text();
-  ASSERT_TRUE(loaded);
-  auto simulation = Simulation::compile(std::move(loaded), ".", diagnostics);
-  for (const Diagnostic& d : diagnostics.all()) ADD_FAILURE() << d.text();
+  const auto simulation = scene.compile(registry);
   ASSERT_TRUE(simulation);
 
   const auto& needle = dynamic_cast<const RigidNeedle&>(*simulation->find("/rigid_needle"));

@@ -1,0 +1,51 @@
+// The step allocates nothing: every malloc of the process is counted (Eigen's too).
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "rod_builder.h"
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+static std::atomic<long> allocations{0};
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* malloc(std::size_t size) {
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  return __libc_malloc(size);
+}
+
+namespace sutura::thread {
+namespace {
+
+TEST(Allocation, CounterCounts) {
+  const long before = allocations;
+  { const VecX v = VecX::Ones(100); EXPECT_EQ(v.sum(), 100); }
+  EXPECT_GT(allocations, before);
+}
+
+TEST(Allocation, NoneInTheStep) {
+  for (const bool violent : {false, true}) {
+    Rod rod;
+    RodLayout layout = straight_layout(0.2, 100, nylon());
+    if (violent)
+      for (std::size_t i = 1; i < layout.start.size(); i += 2) layout.start[i].position.z() += 2e-2;
+    rod.build(layout);
+    rod.clamp(0);
+    const VecX none = VecX::Zero(rod.dofs());
+    const long before = allocations;
+    Index passes = 0;
+    for (int i = 0; i < 10; ++i) {
+      if (!rod.free_motion(0.01, Vec3(0, 0, -9.81))) std::abort();
+      rod.correct(0.01, none);
+      passes = std::max(passes, rod.passes());
+    }
+    EXPECT_EQ(allocations, before) << (violent ? "violent" : "calm");
+    EXPECT_EQ(passes > 9, violent);  // the guarded descent was there
+  }
+}
+
+}  // namespace
+}  // namespace sutura::thread
+
+#endif
