@@ -103,6 +103,8 @@ class Rod {
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                    std::vector<Real>& twist, const VecX& v, bool first);
   bool expected_motion(Real dt, const Vec3& gravity);
+  bool linearise_ahead(Real dt, const Vec3& gravity);
+  bool linearise_here(Real dt, const Vec3& gravity);
   void answer(const VecX& force);
   void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
                      bool first);
@@ -110,7 +112,9 @@ class Rod {
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
   StaticReport solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
                             int max_iterations);
-  Real limit_step(const std::vector<Pose>& poses, const VecX& step) const;
+  /// Largest turn of a chord or tangent in the step (rad).
+  Real largest_turn(const std::vector<Pose>& poses, const VecX& step) const;
+  static constexpr Real turn_limit = 0.5;  ///< rad: inside it the quadratic model of a beam is good
   Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
                    const Vec3& gravity) const;
   Real spring_energy(const std::vector<Pose>& poses) const;
@@ -118,7 +122,8 @@ class Rod {
     Real kinetic = 0, potential = 0;
     Real total() const { return kinetic + potential; }
   };
-  Energy free_energy(const Vec3& gravity);
+  /// At the free poses; `note_tension` keeps theirs for the next linearisation.
+  Energy free_energy(const Vec3& gravity, bool note_tension = false);
   Real incremental_potential(Real dt, const Vec3& gravity);
   void add_correction(Real dt, Real part);
   bool descend(Real dt, const Vec3& gravity);

@@ -73,7 +73,7 @@ void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
     for (int d = 0; d < 6; ++d) matrix.fix(node, d);
 }
 
-Real Rod::limit_step(const std::vector<Pose>& poses, const VecX& step) const {
+Real Rod::largest_turn(const std::vector<Pose>& poses, const VecX& step) const {
   Real largest = 0;
   for (Index e = 0; e < beams(); ++e) {
     const Vec3 span = poses[e + 1].position - poses[e].position;
@@ -83,8 +83,7 @@ Real Rod::limit_step(const std::vector<Pose>& poses, const VecX& step) const {
     largest = std::max({largest, chord.norm(), axis.cross(step.segment<3>(6 * e + 3)).norm(),
                         axis.cross(step.segment<3>(6 * e + 9)).norm()});
   }
-  constexpr Real limit = 0.5;  // rad: inside it the second-order model of a beam is good
-  return largest > limit ? limit / largest : 1;
+  return largest;
 }
 
 // Newton with the tension as an unknown of its own, condensed beam by beam: the right-hand side is that of
@@ -138,7 +137,7 @@ Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real 
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
-    const Real factor = limit_step(pose_, step);
+    const Real factor = std::min(1., turn_limit / largest_turn(pose_, step));
     for (Index e = 0; e < beams(); ++e) {
       element_state(e, s);
       const Real predicted =

@@ -28,13 +28,14 @@ Real Rod::spring_energy(const std::vector<Pose>& poses) const {
   return sum;
 }
 
-Rod::Energy Rod::free_energy(const Vec3& gravity) {
+Rod::Energy Rod::free_energy(const Vec3& gravity, bool note_tension) {
   Energy sum;
   sum.potential = spring_energy(free_);
   ElementState s;
   for (Index e = 0; e < beams(); ++e) {
     evaluate(elements_[e], free_[e], free_[e + 1], free_twist_[e], s);
     free_twist_[e] = s.twist;
+    if (note_tension) tension_[e] = s.tension;
     const Real moving = kinetic(masses_[e], s, ElementVelocity(free_velocity_, e));
     sum.kinetic += moving;
     sum.potential += beam_energy(e, s, free_, free_velocity_, gravity) - moving;
@@ -75,18 +76,45 @@ bool Rod::free_motion(Real dt, const Vec3& gravity) {
   return true;
 }
 
-// One linearisation is all a calm step needs. Implicit Euler loses energy; when the linearised step gained
-// some (the stretch faked by turning beams, times EA), or turned a beam by more than half a radian, Newton
-// goes on until the energy balance holds; if it does not get there, the guarded descent does.
-bool Rod::expected_motion(Real dt, const Vec3& gravity) {
-  keep_ = 1;
-  passes_ = 1;
+/// Linearises where the motion of the step before leads: a turning beam then has no second-order stretch
+/// left but that of its acceleration. False if the linear system is not positive definite.
+bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
+  free_ = pose_;
+  free_twist_ = twist_;
+  free_velocity_ = velocity_;
+  start_energy_ = free_energy(gravity, true).total();
+  if (clamped_.empty())
+    for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
+  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+  assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+  if (!factor()) return false;
+  matrix_.solve(Eigen::Ref<VecX>(rhs_));
+  free_velocity_ += rhs_;
+  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+  scratch_ = dt * rhs_;
+  return true;
+}
+
+bool Rod::linearise_here(Real dt, const Vec3& gravity) {
   assemble(dt, gravity);
   start_energy_ += spring_energy(pose_);
   if (!factor()) return false;
   advance_free(dt, gravity);
   scratch_ = dt * free_velocity_;
-  Real part = limit_step(pose_, scratch_);
+  return true;
+}
+
+// One linearisation is all that most steps need. Implicit Euler loses energy; when the linearised step gained
+// some (the stretch faked by turning beams, times EA), or turned a beam by more than half a radian, Newton
+// goes on until the energy balance holds; if it does not get there, the guarded descent does.
+bool Rod::expected_motion(Real dt, const Vec3& gravity) {
+  keep_ = 1;
+  passes_ = 1;
+  scratch_ = dt * velocity_;
+  const Real turn = largest_turn(pose_, scratch_);
+  const bool ahead = turn > 1e-4 && turn < turn_limit;
+  if (!(ahead ? linearise_ahead(dt, gravity) : linearise_here(dt, gravity))) return false;
+  Real part = std::min(1., turn_limit / largest_turn(pose_, scratch_));
   const Real slack =
       1e-9 * (std::abs(start_energy_) + mass() * gravity.norm() * abscissa_.back());
   const Index most_passes = newton_iterations + 8;
@@ -96,7 +124,7 @@ bool Rod::expected_motion(Real dt, const Vec3& gravity) {
             start_energy_ + slack + dt * constraint_force_.dot(free_velocity_))
       return true;
     if (passes_ >= most_passes) break;
-    if (passes_ == 1) {
+    if (passes_ == 1 && !ahead) {
       predict_tension(pose_, twist_, scratch_, part, true);
       if (part < 1) {
         free_velocity_ *= part;
@@ -107,7 +135,7 @@ bool Rod::expected_motion(Real dt, const Vec3& gravity) {
     if (!factor()) break;
     matrix_.solve(Eigen::Ref<VecX>(rhs_));
     scratch_ = dt * rhs_;
-    part = limit_step(free_, scratch_);
+    part = std::min(1., turn_limit / largest_turn(free_, scratch_));
     add_correction(dt, part);
   }
   return descend(dt, gravity);
@@ -148,7 +176,7 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     correction_ = rhs_;
     before_velocity_ = free_velocity_;
     scratch_ = dt * correction_;
-    Real part = limit_step(free_, scratch_);
+    Real part = std::min(1., turn_limit / largest_turn(free_, scratch_));
     predict_tension(free_, free_twist_, scratch_, part, false);
     Real next = value;
     for (int cut = 0; cut < 20; ++cut, part /= 2) {

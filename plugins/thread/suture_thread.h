@@ -11,6 +11,7 @@ namespace sutura::thread {
 
 class SutureThread : public Component, public CurveBody {
  public:
+  static constexpr const char* interface_name = "SutureThread";
   enum class Clamp { none, start, end, both };
 
   // Attributes; each is explained in describe().

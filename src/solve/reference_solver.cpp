@@ -88,7 +88,7 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
       const VecX lambda = problem.lambda;
       const Residual polished =
           subspace_.newton(problem, diagonal_, residual, options_.tolerance, lambda_plus_,
-                           report.direct_solves);
+                           report.direct_solves, target < 1e-4);
       if (polished.value <= 0.1 * residual.value) s_ = problem.delta;
       else problem.lambda = lambda;  // not near enough: ADMM goes on where it was
       update_delta(problem);

@@ -163,7 +163,7 @@ bool SubspaceStep::solve(ConstraintProblem& problem) {
 
 Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
                               Residual residual, Real tolerance, VecX& lambda_plus,
-                              Index& direct_solves) {
+                              Index& direct_solves, bool may_walk) {
   constexpr int most_steps = 12;
   const VecX& start = start_lambda_ = problem.lambda;
   best_ = residual;
@@ -176,7 +176,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& 
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
   }
-  if (best_.value > tolerance) {
+  if (may_walk && best_.value > tolerance) {
     problem.lambda = start;
     update_delta(problem);
     walk(problem, diagonal, tolerance, lambda_plus, direct_solves);

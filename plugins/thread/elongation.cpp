@@ -1,0 +1,76 @@
+#include "elongation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sutura/laws/unilateral.h"
+
+namespace sutura::thread {
+
+void Elongation::describe(Describe<Elongation>& d) {
+  d.summary("Limits how far a thread can stretch: its fibres lock at a strain.");
+  d.theory(
+      "On intervals of beams, delta = sum of L (limit - strain) >= 0 with the strain of the arc (bowing included, "
+      "docs/theory/thread.md), so a bend hides no stretch; lambda >= 0 is the tension beyond that of the "
+      "elastic thread (N). Law: unilateral.");
+  d.attribute("limit", &Elongation::limit, "1", above(0), "Largest strain.");
+  d.attribute("interval", &Elongation::interval, between(1, 4),
+              "Beams per row: more is cheaper, the limit then holds for their mean strain.");
+  d.link("thread", &Elongation::thread, "The thread.");
+  d.output("tension", "N", "Largest tension that the limit adds.",
+           [](const Elongation& e) { return e.largest_force(); });
+  d.output("active", "1", "Intervals at their limit.",
+           [](const Elongation& e) { return static_cast<Real>(e.active()); });
+}
+
+void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {
+  blocks_.clear();
+  const Rod& rod = thread->rod();
+  ElementState s;
+  for (Index first = 0; first < rod.beams(); first += interval) {
+    const Index last = std::min(first + interval, rod.beams());
+    PointJacobian J;
+    J.nodes = static_cast<int>(last - first + 1);
+    J.width = 6;
+    J.coefficients.setZero(3, 6 * J.nodes);
+    for (int k = 0; k < J.nodes; ++k) J.node[static_cast<std::size_t>(k)] = first + k;
+    // Row of delta: minus the gradient of the arc length. It is written as a motion along the tangent of
+    // the interval's first section, so that recorders show the force where it pulls.
+    const Pose& at = rod.poses(Configuration::current)[first];
+    const Vec3 along = at.rotation * Vec3::UnitX();
+    Real room = 0, length = 0, rate = 0;
+    for (Index e = first; e < last; ++e) {
+      const Real L = rod.element(e).length;
+      rod.element_state(e, s);
+      room += L * (limit - s.strain);
+      length += L;
+      const Vec9 g = -L * strain_gradient(rod.element(e), s);
+      Eigen::Matrix<Real, 1, 12> row;
+      row << -g.head<3>().transpose(), g.segment<3>(3).transpose(), g.head<3>().transpose(),
+          g.tail<3>().transpose();
+      J.coefficients.middleCols<12>(6 * (e - first)) += along * row;
+      rate += row * rod.free_velocity().segment<12>(6 * e);
+    }
+    // Slack intervals make no rows: strain below a hundredth of the limit now and after the free motion.
+    const Real free_room = room + context.dt * rate;
+    if (std::min(room, free_room) > 0.99 * limit * length) continue;
+    const Key key = make_key(source_id_, static_cast<std::uint64_t>(
+                                             std::llround(1e7 * rod.abscissa()[first])));
+    const BlockId block =
+        builder.add<Unilateral>(key, {}, BlockVector<1>(free_room), Unilateral::open,
+                                {.force = 0.1, .length = limit * length});
+    builder.couple(block, *thread, Eigen::Matrix<Real, 1, 3>(along.transpose()), J, at.position);
+    blocks_.push_back(block);
+  }
+}
+
+void Elongation::commit(const StepContext&, const SolvedBlocks& solved) {
+  largest_force_ = 0;
+  active_ = 0;
+  for (const BlockId block : blocks_) {
+    largest_force_ = std::max(largest_force_, solved.lambda(block)[0]);
+    active_ += solved.mode(block) == Unilateral::closed;
+  }
+}
+
+}  // namespace sutura::thread
