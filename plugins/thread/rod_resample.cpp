@@ -1,4 +1,5 @@
 // New nodes on a moving rod: on its own cubic, with its momentum.
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -58,6 +59,19 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     if (i > 0)
       layout.sections.push_back(section((abscissa[i - 1] + abscissa[i]) / 2));
   }
+  // The strain that the two halves of a split beam have to keep.
+  std::vector<Real> strain(n, 0);
+  std::vector<char> halves(n, 0);
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    const CurvePlace at = place(*this, abscissa[k]);
+    if (!changed[k] || std::abs(abscissa[k - 1] - abscissa_[at.beam]) > 1e-12 ||
+        std::abs(abscissa[k + 1] - abscissa_[at.beam + 1]) > 1e-12)
+      continue;
+    ElementState state;
+    element_state(at.beam, state);
+    strain[k] = state.strain;
+    halves[k] = 1;
+  }
   // Twist is spread evenly over a beam: a new beam takes its share of each old one it covers.
   std::size_t i = 0;
   for (Index e = 0; e < beams(); ++e)
@@ -99,6 +113,23 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   twist_ = free_twist_ = twist;
   velocity_ = velocity;
   constraint_force_ = force;
+
+  // Arc lengths of the cubic and of the beams differ in the fourth power of the angle; times EA that is seen.
+  // The new node gives way until both halves have the strain of the whole: smallest shift, two Newton steps.
+  for (std::size_t k = 1; k + 1 < n; ++k)
+    for (int pass = 0; halves[k] && pass < 3; ++pass) {
+      ElementState a, b;
+      element_state(static_cast<Index>(k) - 1, a);
+      element_state(static_cast<Index>(k), b);
+      Eigen::Matrix<Real, 2, 3> J;
+      J.row(0) = strain_gradient(elements_[k - 1], a).head<3>().transpose();
+      J.row(1) = -strain_gradient(elements_[k], b).head<3>().transpose();
+      const Vec2 wanted(strain[k] - a.strain, strain[k] - b.strain);
+      Eigen::Matrix<Real, 2, 2> jj = J * J.transpose();
+      jj.diagonal() *= 1 + 1e-9;  // a straight beam has one direction only, and nothing to correct across
+      pose_[k].position += J.transpose() * (jj.inverse() * wanted);
+    }
+  free_ = pose_;
 
   // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned.
   std::vector<Index> nodes_concerned;
