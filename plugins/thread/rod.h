@@ -5,6 +5,7 @@
 // with f the exact gradient of the energy and K its positive semidefinite part (element.h).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "block_tridiagonal.h"
@@ -38,6 +39,11 @@ class Rod {
   Index newton_iterations = 1;
 
   void build(const RodLayout& layout);
+  /// Same rod, other nodes (ends, clamped and sprung nodes must be among them): new nodes on the cubic,
+  /// with its velocity; linear and angular momentum stay as they are. `rest` and `section` give the rest
+  /// pose and the section by abscissa. Allocates.
+  void resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
+                const std::function<Section(Real)>& section);
   /// All six dofs of the node stay as they are.
   void clamp(Index node);
   const std::vector<Index>& clamped() const { return clamped_; }

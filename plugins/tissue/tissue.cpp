@@ -22,7 +22,7 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.attribute("element", &Tissue::element, {"t4", "smoothed"},
               "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged "
               "over edges "
-              "and nodes, accurate there at two to three times the cost.");
+              "and nodes, accurate there at three to four times the cost.");
   d.attribute(
       "iterations", &Tissue::iterations, at_least(1),
       "Linearisations per step, at least; a step whose motion would gain energy takes up to five.");

@@ -13,11 +13,13 @@ void ReferenceSolver::set_rho(const ConstraintProblem& problem, Real rho) {
   factor_.compute(M);
 }
 
-Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real target) {
+Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real target,
+                               Index& iterations) {
   VecX& z = problem.lambda;
   Residual residual;
   VecX z_before;
   for (Index k = 0; k < count; ++k) {
+    ++iterations;
     x_ = factor_.solve(penalty_.cwiseProduct(z) + s_ - problem.d_free);
     z_before = z;
     for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
@@ -82,8 +84,7 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
     if (report.sweeps >= options_.iterations || !std::isfinite(residual.value)) break;
     constexpr Index turn = 100;
     const Index count = std::min(turn, options_.iterations - report.sweeps);
-    residual = admm(problem, count, options_.newton ? target : options_.tolerance);
-    report.sweeps += count;
+    residual = admm(problem, count, options_.newton ? target : options_.tolerance, report.sweeps);
     if (options_.newton) {
       const VecX lambda = problem.lambda;
       const Residual polished =

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "sutura/laws/unilateral.h"
 #include "sutura/simulation.h"
 
 namespace sutura::thread {
@@ -20,7 +19,6 @@ struct SceneRun {
     registry.begin_plugin("thread");
     registry.component<SutureThread>("SutureThread");
     registry.component<Elongation>("Elongation");
-    registry.law<Unilateral>();
     registry.end_plugin();
     auto scene = load_scene_text("<sutura version=\"1\" " + body + "</sutura>", "test.xml", ".", registry,
                                  diagnostics);

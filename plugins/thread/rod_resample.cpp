@@ -1,0 +1,146 @@
+// New nodes on a moving rod: on its own cubic, with its momentum.
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "curve.h"
+#include "element_mass.h"
+#include "rod.h"
+
+namespace sutura::thread {
+
+namespace {
+
+/// Velocity and spin of the moving cubic at a place within a beam.
+Vec6 velocity_at(const Rod& rod, const CurvePlace& at) {
+  const Index e = at.beam;
+  const auto& p = rod.poses(Configuration::current);
+  const VecX& v = rod.velocity();
+  const Real L = rod.element(e).length;
+  const Vec3 ta = p[e].rotation * Vec3::UnitX(), tb = p[e + 1].rotation * Vec3::UnitX();
+  const Vec3 va = v.segment<3>(6 * e), wa = v.segment<3>(6 * e + 3);
+  const Vec3 vb = v.segment<3>(6 * e + 6), wb = v.segment<3>(6 * e + 9);
+  const auto rate = [&](const std::array<Real, 4>& w) {
+    return Vec3(w[0] * va + w[1] * L * wa.cross(ta) + w[2] * vb + w[3] * L * wb.cross(tb));
+  };
+  const Vec3 slope = Cubic(p[e], p[e + 1], L).slope(at.u);
+  const Vec3 t = slope.normalized();
+  const Real roll = (1 - at.u) * wa.dot(ta) + at.u * wb.dot(tb);
+  Vec6 out;
+  out.head<3>() = rate(Cubic::weights(at.u));
+  out.tail<3>() = t.cross(rate(Cubic::weight_slopes(at.u))) / slope.norm() + roll * t;
+  return out;
+}
+
+}  // namespace
+
+void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
+                   const std::function<Section(Real)>& section) {
+  Vec6 before;
+  before.head<3>() = momentum();
+  before.tail<3>() = angular_momentum();
+  const std::size_t n = abscissa.size();
+  RodLayout layout;
+  layout.abscissa = abscissa;
+  std::vector<Real> twist(n - 1, 0);
+  VecX velocity(6 * static_cast<Index>(n)), force = VecX::Zero(velocity.size());
+  std::vector<char> changed(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const CurvePlace at = place(*this, abscissa[i]);
+    const bool old = at.u < 1e-9 || at.u > 1 - 1e-9;
+    const Index node = at.beam + (at.u > 0.5 ? 1 : 0);
+    layout.rest.push_back(old ? rest_[node] : rest(abscissa[i]));
+    layout.start.push_back(old ? pose_[node] : curve_frame(*this, abscissa[i], Configuration::current));
+    velocity.segment<6>(6 * static_cast<Index>(i)) =
+        old ? Vec6(velocity_.segment<6>(6 * node)) : velocity_at(*this, at);
+    changed[i] = !old;
+    if (old) force.segment<6>(6 * static_cast<Index>(i)) = constraint_force_.segment<6>(6 * node);
+    if (i > 0)
+      layout.sections.push_back(section((abscissa[i - 1] + abscissa[i]) / 2));
+  }
+  // Twist is spread evenly over a beam: a new beam takes its share of each old one it covers.
+  std::size_t i = 0;
+  for (Index e = 0; e < beams(); ++e)
+    for (i = i > 0 ? i - 1 : 0; i + 1 < n && abscissa[i] < abscissa_[e + 1]; ++i) {
+      const Real common = std::min(abscissa[i + 1], abscissa_[e + 1]) - std::max(abscissa[i], abscissa_[e]);
+      if (common > 0) twist[i] += twist_[e] * common / elements_[e].length;
+      if (abscissa[i + 1] < abscissa_[e + 1]) continue;
+      ++i;
+      break;
+    }
+  // A node that goes: its constraint force works through its neighbours; they too are corrected below.
+  for (Index k = 0; k < nodes(); ++k) {
+    const auto right = std::lower_bound(abscissa.begin(), abscissa.end(), abscissa_[k] - 1e-12);
+    if (right != abscissa.end() && std::abs(*right - abscissa_[k]) < 1e-12) continue;
+    const auto b = static_cast<Index>(right - abscissa.begin()), a = b - 1;
+    const Real L = abscissa[b] - abscissa[a], u = (abscissa_[k] - abscissa[a]) / L;
+    const auto w = Cubic::weights(u);
+    const Vec3 f = constraint_force_.segment<3>(6 * k), m = constraint_force_.segment<3>(6 * k + 3);
+    const auto tangent = [&](Index j) { return Vec3(layout.start[j].rotation * Vec3::UnitX()); };
+    force.segment<3>(6 * a) += w[0] * f;
+    force.segment<3>(6 * a + 3) += w[1] * L * tangent(a).cross(f) + (1 - u) * m;
+    force.segment<3>(6 * b) += w[2] * f;
+    force.segment<3>(6 * b + 3) += w[3] * L * tangent(b).cross(f) + u * m;
+    changed[a] = changed[b] = 1;
+  }
+  const std::vector<Index> clamped = clamped_;
+  const std::vector<NodeSpring> springs = springs_;
+  const std::vector<Real> old_abscissa = abscissa_;
+  build(layout);
+  const auto moved = [&](Index node) {
+    const auto it = std::lower_bound(abscissa_.begin(), abscissa_.end(), old_abscissa[node] - 1e-12);
+    return static_cast<Index>(it - abscissa_.begin());
+  };
+  for (const Index node : clamped) clamp(moved(node));
+  for (NodeSpring spring : springs) {
+    spring.node = moved(spring.node);
+    springs_.push_back(spring);
+  }
+  twist_ = free_twist_ = twist;
+  velocity_ = velocity;
+  constraint_force_ = force;
+
+  // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned.
+  std::vector<Index> nodes_concerned;
+  for (std::size_t k = 0; k < n; ++k)
+    if (changed[k]) nodes_concerned.push_back(static_cast<Index>(k));
+  if (nodes_concerned.empty()) return;
+  if (nodes_concerned.size() < 3) {  // a rotation needs an arm
+    const Index a = nodes_concerned.front(), b = nodes_concerned.back();
+    if (a > 0) nodes_concerned.insert(nodes_concerned.begin(), a - 1);
+    if (b + 1 < nodes()) nodes_concerned.push_back(b + 1);
+  }
+  Vec3 centre = Vec3::Zero();
+  for (const Index k : nodes_concerned) centre += pose_[k].position / static_cast<Real>(nodes_concerned.size());
+  const auto add_motion = [&](const Vec3& v, const Vec3& w) {
+    for (const Index k : nodes_concerned) {
+      velocity_.segment<3>(6 * k) += v + w.cross(pose_[k].position - centre);
+      velocity_.segment<3>(6 * k + 3) += w;
+    }
+  };
+  const auto measure = [&] {
+    Vec6 m;
+    m.head<3>() = momentum();
+    m.tail<3>() = angular_momentum() - centre.cross(Vec3(m.head<3>()));
+    return m;
+  };
+  const Vec6 now = measure();
+  Vec6 wanted = before;
+  wanted.tail<3>() -= centre.cross(Vec3(before.head<3>()));
+  const Real arm = abscissa_.back() / static_cast<Real>(beams());
+  Eigen::Matrix<Real, 6, 6> response;
+  const VecX kept = velocity_;
+  for (int c = 0; c < 6; ++c) {
+    velocity_.setZero();
+    add_motion(c < 3 ? Vec3(Vec3::Unit(c)) : Vec3::Zero(), c < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(c - 3) / arm));
+    response.col(c) = measure();
+  }
+  velocity_ = kept;
+  Vec6 difference = wanted - now;
+  response.bottomRows<3>() /= arm;
+  difference.tail<3>() /= arm;
+  const Vec6 x = response.colPivHouseholderQr().solve(difference);
+  add_motion(x.head<3>(), x.tail<3>() / arm);
+}
+
+}  // namespace sutura::thread

@@ -1,0 +1,77 @@
+#include "sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cubic.h"
+
+namespace sutura::thread {
+
+Real turning_angle(const Rod& rod, Index beam) {
+  const auto& p = rod.poses(Configuration::current);
+  const Cubic c(p[beam], p[beam + 1], rod.element(beam).length);
+  constexpr int parts = 4;
+  Real sum = 0;
+  Vec3 before = p[beam].rotation * Vec3::UnitX();
+  for (int i = 1; i <= parts; ++i) {
+    const Vec3 t = c.slope(static_cast<Real>(i) / parts).normalized();
+    sum += std::atan2(before.cross(t).norm(), before.dot(t));
+    before = t;
+  }
+  return sum;
+}
+
+std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& changed) {
+  const std::vector<Real>& s = rod.abscissa();
+  const Index n = rod.beams();
+  std::vector<Real> angle(static_cast<std::size_t>(n));
+  std::vector<char> split(static_cast<std::size_t>(n), 0);
+  const auto length = [&](Index e) { return s[e + 1] - s[e]; };
+  for (Index e = 0; e < n; ++e) {
+    angle[e] = turning_angle(rod, e);
+    const bool bent = angle[e] > rules.angle || length(e) * angle[e] / 8 > rules.sagitta;
+    split[e] = (bent && length(e) >= 2 * rules.shortest) || length(e) > rules.longest * (1 + 1e-9);
+  }
+  // Grading: a beam more than twice as long as what its neighbour becomes is split too; spreads both ways.
+  const auto after = [&](Index e) { return length(e) / (split[e] ? 2 : 1); };
+  for (bool more = true; more;) {
+    more = false;
+    for (Index e = 0; e < n; ++e) {
+      if (split[e]) continue;
+      const Real neighbour = std::min(e > 0 ? after(e - 1) : length(e), e + 1 < n ? after(e + 1) : length(e));
+      if (length(e) > 2 * neighbour * (1 + 1e-9)) split[e] = 1, more = true;
+    }
+  }
+  changed = false;
+  std::vector<Real> nodes = {s[0]};
+  const auto is_forced = [&](Real a) {
+    return std::any_of(rules.forced.begin(), rules.forced.end(),
+                       [a](Real f) { return std::abs(f - a) < 1e-9; });
+  };
+  Index last_merged = -2;  // second beam of the last merged pair
+  for (Index e = 0; e < n; ++e) {
+    // May node e + 1 go? Its two beams become one; neighbours must stand the longer one.
+    bool merge = e + 1 < n && e != last_merged && !split[e] && !split[e + 1] && !is_forced(s[e + 1]);
+    if (merge) {
+      const Real L = length(e) + length(e + 1), theta = angle[e] + angle[e + 1];
+      const Real left = e > 0 ? (last_merged == e - 1 ? length(e - 1) + length(e - 2) : after(e - 1)) : L;
+      const Real right = e + 2 < n ? after(e + 2) : L;
+      merge = theta < rules.angle / 2 && L * theta / 8 < rules.sagitta / 2 &&
+              L <= rules.longest * (1 + 1e-9) && L <= 2 * left * (1 + 1e-9) &&
+              L <= 2 * right * (1 + 1e-9) &&
+              // halves of a former split find together again, and not shifted by one
+              std::abs(length(e) - length(e + 1)) < 0.26 * L;
+    }
+    if (split[e]) nodes.push_back((s[e] + s[e + 1]) / 2), changed = true;
+    if (merge) {
+      nodes.push_back(s[e + 2]);
+      changed = true;
+      last_merged = ++e;
+    } else {
+      nodes.push_back(s[e + 1]);
+    }
+  }
+  return nodes;
+}
+
+}  // namespace sutura::thread

@@ -1,0 +1,27 @@
+// Where the nodes of a rod should be: dense where it bends, coarse where it is straight.
+//
+// A beam is split when its turning angle, the integral of |dt/ds| along its cubic (an S does not count as
+// straight), exceeds `angle`, or its sagitta L angle/8 exceeds `sagitta`; two beams are merged when the
+// merged one would stay below half of both (hysteresis: no flicker). Lengths stay between `shortest` and
+// `longest`, neighbours within a factor of two. One level per call.
+#pragma once
+
+#include "rod.h"
+
+namespace sutura::thread {
+
+struct SamplingRules {
+  Real angle = 0.3;     ///< rad
+  Real sagitta = 1;     ///< m
+  Real shortest = 0;    ///< m
+  Real longest = 1;     ///< m
+  std::vector<Real> forced = {};  ///< abscissae that stay nodes (holds, swage), m
+};
+
+/// Integral of |dt/ds| along a beam of the current configuration (rad).
+Real turning_angle(const Rod& rod, Index beam);
+
+/// The nodes the rules ask for; `changed` says whether they differ from the rod's.
+std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& changed);
+
+}  // namespace sutura::thread
