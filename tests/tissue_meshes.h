@@ -19,8 +19,10 @@ inline MeshData kuhn_block(std::array<int, 3> cells, const Vec3& size) {
   for (int k = 0; k <= cells[2]; ++k)
     for (int j = 0; j <= cells[1]; ++j)
       for (int i = 0; i <= cells[0]; ++i)
-        mesh.points.push_back(Vec3(i * size[0] / cells[0], j * size[1] / cells[1], k * size[2] / cells[2]));
-  static constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+        mesh.points.push_back(
+            Vec3(i * size[0] / cells[0], j * size[1] / cells[1], k * size[2] / cells[2]));
+  static constexpr int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   for (int k = 0; k < cells[2]; ++k)
     for (int j = 0; j < cells[1]; ++j)
       for (int i = 0; i < cells[0]; ++i)
@@ -41,16 +43,19 @@ inline MeshData kuhn_block(std::array<int, 3> cells, const Vec3& size) {
 
 inline VecX stacked(const std::vector<Vec3>& points) {
   VecX x(3 * static_cast<Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) x.segment<3>(3 * static_cast<Index>(i)) = points[i];
+  for (std::size_t i = 0; i < points.size(); ++i)
+    x.segment<3>(3 * static_cast<Index>(i)) = points[i];
   return x;
 }
 
 /// For scenes in tests: a mesh file in Gmsh's format 2.2, with all digits.
 inline void write_msh(const MeshData& mesh, const std::filesystem::path& file) {
   std::ofstream out(file);
-  out << std::setprecision(17) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" << mesh.points.size() << "\n";
+  out << std::setprecision(17) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n"
+      << mesh.points.size() << "\n";
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    out << i + 1 << " " << mesh.points[i][0] << " " << mesh.points[i][1] << " " << mesh.points[i][2] << "\n";
+    out << i + 1 << " " << mesh.points[i][0] << " " << mesh.points[i][1] << " " << mesh.points[i][2]
+        << "\n";
   out << "$EndNodes\n$Elements\n" << mesh.tets.size() << "\n";
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
     out << e + 1 << " 4 2 " << mesh.region[e] << " 1";

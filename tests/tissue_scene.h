@@ -1,4 +1,5 @@
-// A scene of one tissue from a few lines of XML, run in-process with the plugin enrolled statically.
+// A scene of one tissue from a few lines of XML, run in-process with the plugin enrolled
+// statically.
 #pragma once
 
 #include <gtest/gtest.h>

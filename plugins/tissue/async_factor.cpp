@@ -12,6 +12,7 @@ void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   if (!plan || !std::ranges::equal(tail_nodes(*plan), candidates)) {
     plan = std::ranges::equal(tail_nodes(*base), candidates) ? base : with_last(*base, candidates);
     factor = make_factor(plan);
+    if (rough) factor->keep_rough();
     place.assign(static_cast<std::size_t>(snapshot->A.nodes()), -1);
     for (std::size_t k = 0; k < candidates.size(); ++k)
       place[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);

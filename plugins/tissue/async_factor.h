@@ -32,6 +32,7 @@ struct SnapshotFactor {
   std::unique_ptr<Factor> factor;
   MatX tail;          ///< compliance of the candidates, in the axes of the snapshot
   bool ok = false;    ///< false: not positive definite
+  bool rough = false; ///< keep the factor in single precision too
   double seconds = 0; ///< wall time of the factorisation
 
   std::vector<Index> place;  ///< per node, among the candidates; -1

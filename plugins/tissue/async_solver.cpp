@@ -53,7 +53,7 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   }
   last_iterations_ = 0;
   if (current_) {
-    warped_.set(*current_->factor, current_->snapshot->rotations, rotations_);
+    warped_.set(*current_->factor, current_->snapshot->rotations, rotations_, rough());
     report_.factor_age = step_ - current_->snapshot->step;
     report_.stale = report_.factor_age > options_.max_age;
     if (report_.stale && report_.message.empty())
@@ -67,6 +67,7 @@ std::unique_ptr<SnapshotFactor> AsyncSolver::take_snapshot() {
   auto job = spare_ ? std::move(spare_) : std::make_unique<SnapshotFactor>();
   if (!job->snapshot) job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, {}, -1});
   else job->snapshot->A = *A_;
+  job->rough = rough();
   job->snapshot->rotations = rotations_;
   if (candidates_.outgrown()) candidates_.choose(step_);
   job->snapshot->candidates = candidates_.chosen();
@@ -108,6 +109,7 @@ void AsyncSolver::adopt_what_is_due() {
       report_.message = "the worker did not answer: factorising in the step from now on";
       fresh = std::make_unique<SnapshotFactor>();
       fresh->snapshot = std::make_shared<Snapshot>(*in_flight_);
+      fresh->rough = rough();
     }
     fresh->factorise(plan_);
   }
@@ -141,7 +143,7 @@ bool AsyncSolver::factorise_here() {
   const bool ok = fresh->ok;
   adopt(std::move(fresh));
   if (ok) {
-    warped_.set(*current_->factor, current_->snapshot->rotations, rotations_);
+    warped_.set(*current_->factor, current_->snapshot->rotations, rotations_, rough());
     report_.factor_age = 0;
     report_.stale = false;
   }

@@ -68,6 +68,9 @@ class AsyncSolver : public TissueSolver {
   bool wants_new_factor() const;
   bool adoption_is_fixed() const { return options_.lag >= 0 || !options_.replay.empty(); }
   bool is_due() const;
+  /// Single precision turns 1e-6 of the residual of a perfect factor into noise: too much where more
+  /// digits are asked for, nothing for the usual tolerances.
+  bool rough() const { return options_.tolerance >= 1e-5; }
   const Preconditioner& preconditioner();
 
   AsyncOptions options_;

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <utility>
 
+#include "lanes.h"
+
 namespace sutura {
 
 NodePattern::NodePattern(Index nodes, std::span<const std::array<Index, 2>> pairs) {
@@ -53,7 +55,7 @@ std::vector<std::array<Index, 2>> pairs_of_elements(std::span<const Index> eleme
 
 NodeMatrix::NodeMatrix(std::shared_ptr<const NodePattern> pattern)
     : pattern_(std::move(pattern)),
-      values_(static_cast<std::size_t>(9 * pattern_->slots()), Real(0)) {}
+      values_(static_cast<std::size_t>(9 * pattern_->slots() + 1), Real(0)) {}
 
 void NodeMatrix::set_zero() { std::fill(values_.begin(), values_.end(), Real(0)); }
 
@@ -77,33 +79,46 @@ Mat3 NodeMatrix::block(Index i, Index j) const {
 void NodeMatrix::multiply(const VecX& x, VecX& y) const {
   const std::size_t n = static_cast<std::size_t>(nodes());
   assert(x.size() == 3 * nodes());
-  y.setZero(x.size());
+  y.resize(x.size());
+  // One register per node, three numbers and a zero (in x) or rubbish (in y): a row of a block is read
+  // together with the first number of the next row, which then does no harm.
+  struct Packed {
+    Lanes at;
+  };
+  thread_local std::vector<Packed> in, out;
+  in.resize(n);
+  out.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Real* v = x.data() + 3 * i;
+    in[i].at = Lanes{v[0], v[1], v[2], 0};
+    out[i].at = Lanes{};
+  }
+  const auto row = [](const Real* p) {
+    Lanes r;
+    std::memcpy(&r, p, sizeof r);
+    return r;
+  };
   const std::int32_t* start = pattern_->row_start().data();
   const std::int32_t* column = pattern_->column().data();
-  const Real* v = values_.data();
-  const Real* xs = x.data();
-  Real* ys = y.data();
   for (std::size_t i = 0; i < n; ++i) {
     // Row i collects block * x_j in registers; the transposed block adds to y_j at once.
-    const Real a0 = xs[3 * i], a1 = xs[3 * i + 1], a2 = xs[3 * i + 2];
-    const Real* b = v + 9 * static_cast<std::size_t>(start[i]);
-    Real y0 = b[0] * a0 + b[1] * a1 + b[2] * a2;
-    Real y1 = b[3] * a0 + b[4] * a1 + b[5] * a2;
-    Real y2 = b[6] * a0 + b[7] * a1 + b[8] * a2;
+    const Lanes xi = in[i].at;
+    const Lanes x0 = Lanes{} + xi[0], x1 = Lanes{} + xi[1], x2 = Lanes{} + xi[2];
+    const Real* b = values_.data() + 9 * static_cast<std::size_t>(start[i]);
+    Lanes y0 = row(b) * xi, y1 = row(b + 3) * xi, y2 = row(b + 6) * xi;
     for (std::int32_t k = start[i] + 1; k < start[i + 1]; ++k) {
       b += 9;
-      const std::size_t j = 3 * static_cast<std::size_t>(column[k]);
-      const Real c0 = xs[j], c1 = xs[j + 1], c2 = xs[j + 2];
-      y0 += b[0] * c0 + b[1] * c1 + b[2] * c2;
-      y1 += b[3] * c0 + b[4] * c1 + b[5] * c2;
-      y2 += b[6] * c0 + b[7] * c1 + b[8] * c2;
-      ys[j] += b[0] * a0 + b[3] * a1 + b[6] * a2;
-      ys[j + 1] += b[1] * a0 + b[4] * a1 + b[7] * a2;
-      ys[j + 2] += b[2] * a0 + b[5] * a1 + b[8] * a2;
+      const auto j = static_cast<std::size_t>(column[k]);
+      const Lanes r0 = row(b), r1 = row(b + 3), r2 = row(b + 6), xj = in[j].at;
+      y0 += r0 * xj;
+      y1 += r1 * xj;
+      y2 += r2 * xj;
+      out[j].at += r0 * x0 + r1 * x1 + r2 * x2;
     }
-    ys[3 * i] += y0;
-    ys[3 * i + 1] += y1;
-    ys[3 * i + 2] += y2;
+    Real* at = y.data() + 3 * i;  // row i is complete: all its transposed blocks came before
+    at[0] = out[i].at[0] + (y0[0] + y0[1] + y0[2]);
+    at[1] = out[i].at[1] + (y1[0] + y1[1] + y1[2]);
+    at[2] = out[i].at[2] + (y2[0] + y2[1] + y2[2]);
   }
 }
 

@@ -59,7 +59,7 @@ class NodeMatrix {
 
  private:
   std::shared_ptr<const NodePattern> pattern_;
-  std::vector<Real> values_;  ///< 9 per slot
+  std::vector<Real> values_;  ///< 9 per slot, and one more: rows are read four numbers at a time
 };
 
 }  // namespace sutura

@@ -35,7 +35,8 @@ void BoxTree::split(const std::vector<Vec3>& centres, Index first, Index count) 
   for (Index k = first; k < first + count; ++k) box.add(centres[items_[k]]);
   int axis = 0;
   (box.high - box.low).maxCoeff(&axis);
-  const Index middle = first + count / 2;  // halves: the depth stays below log2 of the number of items
+  const Index middle =
+      first + count / 2;  // halves: the depth stays below log2 of the number of items
   std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + first + count,
                    [&](Index a, Index b) {
                      const Real x = centres[a][axis], y = centres[b][axis];

@@ -41,7 +41,8 @@ class BoxTree {
     for (std::size_t n = nodes_.size(); n-- > 0;) {  // children come after their parent
       const Node& node = nodes_[n];
       if (node.count > 0)
-        for (Index k = node.first; k < node.first + node.count; ++k) boxes[n].add(bounds(items_[k]));
+        for (Index k = node.first; k < node.first + node.count; ++k)
+          boxes[n].add(bounds(items_[k]));
       else {
         boxes[n].add(boxes[n + 1]);
         boxes[n].add(boxes[node.right]);

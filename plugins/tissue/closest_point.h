@@ -15,8 +15,8 @@ struct ClosestPoint {
   bool inside() const { return edge < 0 && corner < 0; }
 };
 
-/// Projects on the plane, and if that leaves the triangle, takes the best of the three edges. A flat
-/// triangle is its edges.
+/// Projects on the plane, and if that leaves the triangle, takes the best of the three edges. A
+/// flat triangle is its edges.
 inline ClosestPoint closest_point(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 u = t[1] - t[0], v = t[2] - t[0], n = u.cross(v);
   const Real area = n.squaredNorm();
@@ -37,9 +37,12 @@ inline ClosestPoint closest_point(const Vec3& p, const std::array<Vec3, 3>& t) {
     best = {};
     best.weights[e] = 1 - s;
     best.weights[(e + 1) % 3] = s;
-    if (s == 0) best.corner = e;
-    else if (s == 1) best.corner = (e + 1) % 3;
-    else best.edge = e;
+    if (s == 0)
+      best.corner = e;
+    else if (s == 1)
+      best.corner = (e + 1) % 3;
+    else
+      best.edge = e;
   }
   return best;
 }

@@ -89,15 +89,16 @@ void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& f
     // First Piola-Kirchhoff stress times volume: P = R (2 mu E + lambda tr E I).
     const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
     const Lanes two_mu = 2.0 * p.mu;
-    const Lanes T[9] = {two_mu * E[0] + pressure, two_mu * E[3], two_mu * E[4],
-                        two_mu * E[3], two_mu * E[1] + pressure, two_mu * E[5],
-                        two_mu * E[4], two_mu * E[5], two_mu * E[2] + pressure};
+    const Lanes T[9] = {two_mu * E[0] + pressure, two_mu * E[3], two_mu * E[4], two_mu * E[3],
+                        two_mu * E[1] + pressure, two_mu * E[5], two_mu * E[4], two_mu * E[5],
+                        two_mu * E[2] + pressure};
     Lanes g[4][3], t[4][3];  // gradients and forces, in the turned frame g = R G and t = R T G
     for (int i = 0; i < 3; ++i) g[0][i] = t[0][i] = Lanes{};
     for (int c = 1; c < 4; ++c) {
       const Lanes* G = p.gradient[c - 1];
       Lanes TG[3];
-      for (int i = 0; i < 3; ++i) TG[i] = T[3 * i] * G[0] + T[3 * i + 1] * G[1] + T[3 * i + 2] * G[2];
+      for (int i = 0; i < 3; ++i)
+        TG[i] = T[3 * i] * G[0] + T[3 * i + 1] * G[1] + T[3 * i + 2] * G[2];
       for (int i = 0; i < 3; ++i) {
         g[c][i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
         t[c][i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
@@ -120,10 +121,12 @@ void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& f
         const Lanes shear = mu * (g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2]);
         if (a == b) {  // symmetric to the last bit
           for (int i = 0; i < 3; ++i)
-            for (int j = i; j < 3; ++j) K[3 * i + j] = K[3 * j + i] = (lambda + mu) * g[a][i] * g[a][j];
+            for (int j = i; j < 3; ++j)
+              K[3 * i + j] = K[3 * j + i] = (lambda + mu) * g[a][i] * g[a][j];
         } else {
           for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) K[3 * i + j] = lambda * g[a][i] * g[b][j] + mu * g[b][i] * g[a][j];
+            for (int j = 0; j < 3; ++j)
+              K[3 * i + j] = lambda * g[a][i] * g[b][j] + mu * g[b][i] * g[a][j];
         }
         for (int i = 0; i < 3; ++i) K[4 * i] += shear;
         for (int k = 0; k < lanes; ++k) {
@@ -145,8 +148,8 @@ Real CorotationalT4::energy(const VecX& x) const {
     Lanes E[6];
     biot_strain(F, R, E);
     const Lanes trace = E[0] + E[1] + E[2];
-    const Lanes square = E[0] * E[0] + E[1] * E[1] + E[2] * E[2] +
-                         2.0 * (E[3] * E[3] + E[4] * E[4] + E[5] * E[5]);
+    const Lanes square =
+        E[0] * E[0] + E[1] * E[1] + E[2] * E[2] + 2.0 * (E[3] * E[3] + E[4] * E[4] + E[5] * E[5]);
     sum += p.mu * square + 0.5 * p.lambda * trace * trace;
   }
   Real total = 0;

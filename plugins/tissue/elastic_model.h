@@ -11,10 +11,10 @@ namespace sutura {
 
 /// Isotropic material of one region.
 struct Material {
-  Real young = 3e3;     ///< Pa
-  Real poisson = 0.45;  ///< below 0.5
-  Real density = 1000;  ///< kg/m^3
-  Real lame_mu() const { return young / (2 * (1 + poisson)); }                                // Pa
+  Real young = 3e3;                                             ///< Pa
+  Real poisson = 0.45;                                          ///< below 0.5
+  Real density = 1000;                                          ///< kg/m^3
+  Real lame_mu() const { return young / (2 * (1 + poisson)); }  // Pa
   Real lame_lambda() const { return young * poisson / ((1 + poisson) * (1 - 2 * poisson)); }  // Pa
 };
 

@@ -79,7 +79,30 @@ class CholmodFactor : public Factor {
     // analysis ran out of memory.
     ready_ = L_ != nullptr && cholmod_factorize(&A_, L_, &common_) != 0 &&
              common_.status == CHOLMOD_OK && L_->minor == L_->n;
+    if (ready_ && keep_rough_) copy_rough();
     return ready_;
+  }
+
+  void keep_rough() override { keep_rough_ = true; }
+
+  void solve_roughly(Eigen::Ref<MatX> columns) const override {
+    assert(ready_);
+    // From four columns on, the blocked solve of CHOLMOD reads L often enough less.
+    if (!keep_rough_ || columns.cols() > 3 || plan_->size() == 0) return solve(columns);
+    for (Index c = 0; c < columns.cols(); ++c) {
+      auto column = columns.col(c);
+      const Real scale = column.cwiseAbs().maxCoeff();  // keeps single precision in its range
+      if (!(scale > 0)) {
+        column.setZero();
+        continue;
+      }
+      for (std::size_t k = 0; k < row_of_.size(); ++k)
+        rough_x_[static_cast<Index>(k)] = static_cast<float>(column[row_of_[k]] / scale);
+      solve_rough_x();
+      column.setZero();
+      for (std::size_t k = 0; k < row_of_.size(); ++k)
+        column[row_of_[k]] = scale * static_cast<Real>(rough_x_[static_cast<Index>(k)]);
+    }
   }
 
   void solve(Eigen::Ref<MatX> columns) const override {
@@ -140,6 +163,58 @@ class CholmodFactor : public Factor {
   Index stored() const override { return L_ ? static_cast<Index>(L_->xsize) : 0; }
 
  private:
+  using Panel = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
+
+  void copy_rough() {
+    const auto* x = static_cast<const Real*>(L_->x);
+    rough_L_.assign(x, x + L_->xsize);
+    if (row_of_.size() == L_->n) return;
+    const auto* perm = static_cast<const int*>(L_->Perm);
+    row_of_.resize(L_->n);
+    for (std::size_t k = 0; k < L_->n; ++k)
+      row_of_[k] = 3 * plan_->order[static_cast<std::size_t>(perm[k] / 3)] + perm[k] % 3;
+    rough_x_.resize(static_cast<Index>(L_->n));
+    rough_below_.resize(static_cast<Index>(L_->maxesize));
+  }
+
+  /// rough_x_ <- (L L^T)^-1 rough_x_. Supernode s: columns first .. first + width of L, dense over its
+  /// `height` rows, of which the first `width` are those columns themselves.
+  void solve_rough_x() const {
+    const auto* super = static_cast<const int*>(L_->super);
+    const auto* pi = static_cast<const int*>(L_->pi);
+    const auto* px = static_cast<const int*>(L_->px);
+    const auto* rows = static_cast<const int*>(L_->s);
+    const auto count = static_cast<int>(L_->nsuper);
+    for (int s = 0; s < count; ++s) {
+      const int first = super[s], width = super[s + 1] - first, height = pi[s + 1] - pi[s];
+      const float* L = &rough_L_[static_cast<std::size_t>(px[s])];
+      const Panel top(L, width, width, Eigen::OuterStride<>(height));
+      auto x = rough_x_.segment(first, width);
+      for (int j = 0; j < width; ++j) {
+        x[j] /= top(j, j);
+        x.tail(width - j - 1) -= x[j] * top.col(j).tail(width - j - 1);
+      }
+      if (height == width) continue;
+      auto below = rough_below_.head(height - width);
+      below.noalias() = Panel(L + width, height - width, width, Eigen::OuterStride<>(height)) * x;
+      for (int i = width; i < height; ++i) rough_x_[rows[pi[s] + i]] -= below[i - width];
+    }
+    for (int s = count - 1; s >= 0; --s) {
+      const int first = super[s], width = super[s + 1] - first, height = pi[s + 1] - pi[s];
+      const float* L = &rough_L_[static_cast<std::size_t>(px[s])];
+      const Panel top(L, width, width, Eigen::OuterStride<>(height));
+      auto x = rough_x_.segment(first, width);
+      if (height > width) {
+        auto below = rough_below_.head(height - width);
+        for (int i = width; i < height; ++i) below[i - width] = rough_x_[rows[pi[s] + i]];
+        x.noalias() -=
+            Panel(L + width, height - width, width, Eigen::OuterStride<>(height)).transpose() * below;
+      }
+      for (int j = width - 1; j >= 0; --j)
+        x[j] = (x[j] - top.col(j).tail(width - j - 1).dot(x.tail(width - j - 1))) / top(j, j);
+    }
+  }
+
   std::shared_ptr<const FactorPlan> plan_;
   std::vector<Real> entries_;
   cholmod_sparse A_{};
@@ -150,6 +225,10 @@ class CholmodFactor : public Factor {
   mutable cholmod_dense* e_ = nullptr;
   bool ready_ = false;
   mutable MatX work_;
+  bool keep_rough_ = false;
+  std::vector<float> rough_L_;        ///< L_->x in single precision
+  std::vector<std::int32_t> row_of_;  ///< position in L -> row of the full vector
+  mutable Eigen::VectorXf rough_x_, rough_below_;
 };
 
 }  // namespace

@@ -29,9 +29,7 @@ Real signed_quality(const MeshData& mesh, const Tet& t) {
   if (squares == 0) return 0;
   const Real rms = std::sqrt(squares / 6);
   const auto& p = mesh.points;
-  return std::sqrt(2.0) *
-         six_volume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) /
-         (rms * rms * rms);
+  return std::sqrt(2.0) * six_volume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) / (rms * rms * rms);
 }
 
 std::string orient_tets(MeshData& mesh, MeshReport& report) {
@@ -40,7 +38,8 @@ std::string orient_tets(MeshData& mesh, MeshReport& report) {
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j)
         if (t[i] == t[j])
-          return "tetrahedron " + std::to_string(e) + " names node " + std::to_string(t[i]) + " twice";
+          return "tetrahedron " + std::to_string(e) + " names node " + std::to_string(t[i]) +
+                 " twice";
     Real quality = signed_quality(mesh, t);
     if (quality < 0) {
       std::swap(t[2], t[3]);
@@ -48,7 +47,8 @@ std::string orient_tets(MeshData& mesh, MeshReport& report) {
       quality = -quality;
     }
     if (!(quality > flat_quality))
-      return "tetrahedron " + std::to_string(e) + " has no volume (quality " + number(quality) + ")";
+      return "tetrahedron " + std::to_string(e) + " has no volume (quality " + number(quality) +
+             ")";
     if (quality < sliver_quality) ++report.slivers;
     if (quality < report.worst_quality || report.worst_tet < 0) {
       report.worst_quality = quality;
@@ -90,8 +90,7 @@ void count_parts(const MeshData& mesh, MeshReport& report) {
   std::vector<Index> parent(mesh.points.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](Index i) {
-    while (parent[i] != i)
-      i = parent[i] = parent[parent[i]];
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
   for (const Tet& t : mesh.tets)
@@ -153,17 +152,21 @@ void write_warnings(MeshReport& r, Index tets, bool assumed_metres) {
   if (r.reoriented > 0 && r.reoriented < tets)
     w.push_back(std::to_string(r.reoriented) + " of " + std::to_string(tets) +
                 " tetrahedra listed their nodes in the opposite sense and were reordered");
-  if (r.unused_nodes > 0) w.push_back(plural(r.unused_nodes, "node", "nodes") + " used by no tetrahedron removed");
+  if (r.unused_nodes > 0)
+    w.push_back(plural(r.unused_nodes, "node", "nodes") + " used by no tetrahedron removed");
   if (r.duplicate_nodes > 0)
     w.push_back(plural(r.duplicate_nodes, "node lies", "nodes lie") +
                 " exactly on another one: the mesh is not joined there");
-  if (r.parts > 1) w.push_back("the mesh has " + std::to_string(r.parts) + " parts that are not connected");
+  if (r.parts > 1)
+    w.push_back("the mesh has " + std::to_string(r.parts) + " parts that are not connected");
   if (r.slivers > 0)
-    w.push_back(plural(r.slivers, "sliver", "slivers") + " (quality below " + number(sliver_quality) + "; the worst, tetrahedron " +
-                std::to_string(r.worst_tet) + ", has " + number(r.worst_quality) + ")");
+    w.push_back(plural(r.slivers, "sliver", "slivers") + " (quality below " +
+                number(sliver_quality) + "; the worst, tetrahedron " + std::to_string(r.worst_tet) +
+                ", has " + number(r.worst_quality) + ")");
   const Real size = (r.high - r.low).norm();
   if (assumed_metres && size > 2)
-    w.push_back("the mesh is " + number(size) + " m across; if its numbers are millimetres, set unit=\"mm\"");
+    w.push_back("the mesh is " + number(size) +
+                " m across; if its numbers are millimetres, set unit=\"mm\"");
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ class MeshCursor {
   }
   void keyword(std::string_view expected) {
     const std::string_view w = word(std::string(expected).c_str());
-    if (w != expected) fail("found '" + shortened(w) + "', expected '" + std::string(expected) + "'");
+    if (w != expected)
+      fail("found '" + shortened(w) + "', expected '" + std::string(expected) + "'");
   }
   template <class T>
   T integer(const char* what, T low, T high) {
@@ -74,8 +75,8 @@ class MeshCursor {
   }
   void check_fits(unsigned long long n, const char* what, std::size_t bytes_each) const {
     if (n > left() / std::max<std::size_t>(1, bytes_each))
-      fail(std::string(what) + " is " + std::to_string(n) + ", but only " +
-           std::to_string(left()) + " bytes of the file are left");
+      fail(std::string(what) + " is " + std::to_string(n) + ", but only " + std::to_string(left()) +
+           " bytes of the file are left");
   }
   template <class T>
   void check_range(T value, const char* what, T low, T high) const {

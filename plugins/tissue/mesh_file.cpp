@@ -19,7 +19,9 @@ MeshData read_any(std::string_view bytes) {
           "', expected '$MeshFormat' (Gmsh), '# vtk DataFile' (VTK legacy) or '<VTKFile' (VTU)");
 }
 
-MeshReading failed(std::string message) { return {{}, MeshProblem{0, std::move(message)}}; }
+MeshReading failed(std::string message) {
+  return {{}, MeshProblem{0, std::move(message)}};
+}
 
 }  // namespace
 
@@ -45,8 +47,7 @@ MeshReading read_mesh(const std::filesystem::path& file) {
                   std::to_string(max_mesh_bytes));
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(file, std::ios::binary);
-  if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
-    return failed("cannot be read");
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) return failed("cannot be read");
   return read_mesh_text(bytes);
 }
 

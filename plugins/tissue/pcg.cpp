@@ -34,9 +34,10 @@ void BlockJacobi::apply(Eigen::Ref<MatX> columns) const {
 }
 
 void WarpedFactor::set(const Factor& factor, std::span<const Mat3> then,
-                       std::span<const Mat3> now) {
+                       std::span<const Mat3> now, bool rough) {
   assert(then.size() == now.size());
   factor_ = &factor;
+  rough_ = rough;
   turn_.resize(now.size());
   for (std::size_t i = 0; i < now.size(); ++i) turn_[i] = now[i] * then[i].transpose();
 }
@@ -47,7 +48,8 @@ void WarpedFactor::apply(Eigen::Ref<MatX> columns) const {
       auto v = columns.col(c).segment<3>(3 * static_cast<Index>(i));
       v = (turn_[i].transpose() * v).eval();
     }
-  factor_->solve(columns);
+  if (rough_) factor_->solve_roughly(columns);
+  else factor_->solve(columns);
   for (Index c = 0; c < columns.cols(); ++c)
     for (std::size_t i = 0; i < turn_.size(); ++i) {
       auto v = columns.col(c).segment<3>(3 * static_cast<Index>(i));

@@ -35,12 +35,15 @@ class BlockJacobi : public Preconditioner {
 /// Q_i = R_i(now) R_i(then)^T. A body that only rotated since then is preconditioned exactly.
 class WarpedFactor : public Preconditioner {
  public:
-  void set(const Factor& factor, std::span<const Mat3> then, std::span<const Mat3> now);
+  /// `rough`: by Factor::solve_roughly.
+  void set(const Factor& factor, std::span<const Mat3> then, std::span<const Mat3> now,
+           bool rough = false);
   void apply(Eigen::Ref<MatX> columns) const override;
   std::span<const Mat3> turns() const { return turn_; }
 
  private:
   const Factor* factor_ = nullptr;
+  bool rough_ = false;
   std::vector<Mat3> turn_;  ///< Q_i
 };
 

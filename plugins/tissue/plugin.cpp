@@ -1,7 +1,8 @@
+#include "sutura/plugin.h"
+
 #include "attach.h"
 #include "layer.h"
 #include "solver_components.h"
-#include "sutura/plugin.h"
 #include "tet_mesh.h"
 #include "tissue.h"
 

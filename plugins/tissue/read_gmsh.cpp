@@ -1,4 +1,5 @@
-// Gmsh MSH 2.2 and 4.1, ASCII and binary. Layouts after the Gmsh reference manual, section "File formats".
+// Gmsh MSH 2.2 and 4.1, ASCII and binary. Layouts after the Gmsh reference manual, section "File
+// formats".
 #include <cstdint>
 #include <map>
 #include <set>
@@ -39,24 +40,34 @@ class GmshReader {
   void section() {
     const std::string name(in_.word("a section"));
     if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
-      in_.fail("found '" + MeshCursor::shortened(name) + "', expected the start of a section ('$...')");
-    if (name == "$MeshFormat") format();
+      in_.fail("found '" + MeshCursor::shortened(name) +
+               "', expected the start of a section ('$...')");
+    if (name == "$MeshFormat")
+      format();
     else if (name == "$Nodes" || name == "$Elements" || name == "$Entities") {
       if (version_ == 0) in_.fail("'" + name + "' comes before '$MeshFormat'");
       in_.rest_of_line();
-      if (name == "$Entities") entities();
-      else if (name == "$Nodes") version_ == 4 ? nodes4() : nodes2();
-      else version_ == 4 ? elements4() : elements2();
-    } else if (name == "$PhysicalNames") physical_names();
-    else if (!in_.skip_past("$End" + name.substr(1))) in_.fail("section '" + MeshCursor::shortened(name) + "' has no end");
-    else return;
+      if (name == "$Entities")
+        entities();
+      else if (name == "$Nodes")
+        version_ == 4 ? nodes4() : nodes2();
+      else
+        version_ == 4 ? elements4() : elements2();
+    } else if (name == "$PhysicalNames")
+      physical_names();
+    else if (!in_.skip_past("$End" + name.substr(1)))
+      in_.fail("section '" + MeshCursor::shortened(name) + "' has no end");
+    else
+      return;
     in_.keyword("$End" + name.substr(1));
   }
 
   void format() {
     const std::string version(in_.word("the version of the format"));
-    if (version == "2.2" || version == "2") version_ = 2;
-    else if (version == "4.1") version_ = 4;
+    if (version == "2.2" || version == "2")
+      version_ = 2;
+    else if (version == "4.1")
+      version_ = 4;
     else
       in_.fail("MSH version '" + MeshCursor::shortened(version) +
                "' is not read; save the mesh as version 2.2 or 4.1");
@@ -65,8 +76,10 @@ class GmshReader {
     in_.rest_of_line();
     if (!binary_) return;
     const auto one = in_.binary<std::int32_t>("the endianness mark");
-    if (one == 0x01000000) in_.swap_bytes = true;
-    else if (one != 1) in_.fail_binary("the endianness mark is neither 1 nor 1 with its bytes swapped");
+    if (one == 0x01000000)
+      in_.swap_bytes = true;
+    else if (one != 1)
+      in_.fail_binary("the endianness mark is neither 1 nor 1 with its bytes swapped");
   }
 
   void physical_names() {  // always text
@@ -78,7 +91,8 @@ class GmshReader {
       const std::size_t first = name.find('"'), last = name.rfind('"');
       if (first == std::string_view::npos || last == first)
         in_.fail("expected the name of a physical group in double quotes");
-      if (dimension == 3) mesh_.region_names[tag] = std::string(name.substr(first + 1, last - first - 1));
+      if (dimension == 3)
+        mesh_.region_names[tag] = std::string(name.substr(first + 1, last - first - 1));
     }
   }
 
@@ -100,9 +114,7 @@ class GmshReader {
     in_.check_fits(static_cast<unsigned long long>(n), what, binary_ ? binary_bytes : text_bytes);
     return static_cast<std::size_t>(n);
   }
-  Real coordinate() {
-    return binary_ ? in_.binary_real("a coordinate") : in_.real("a coordinate");
-  }
+  Real coordinate() { return binary_ ? in_.binary_real("a coordinate") : in_.real("a coordinate"); }
   Vec3 point() {
     const Real x = coordinate(), y = coordinate(), z = coordinate();
     return {x, y, z};
@@ -127,7 +139,8 @@ class GmshReader {
     for (std::size_t k = 0; k < 4; ++k) {
       const auto it = index_of_.find(tags[k]);
       if (it == index_of_.end())
-        in_.fail("a tetrahedron uses node " + std::to_string(tags[k]) + ", which is not in '$Nodes'");
+        in_.fail("a tetrahedron uses node " + std::to_string(tags[k]) +
+                 ", which is not in '$Nodes'");
       tet[k] = it->second;
     }
     mesh_.tets.push_back(tet);
@@ -185,7 +198,8 @@ class GmshReader {
           const int value = tag("an element tag");
           if (t == 0) region = value;  // the physical group comes first
         }
-        element_nodes(type, nodes, region, [&] { return static_cast<long long>(tag("a node number")); });
+        element_nodes(type, nodes, region,
+                      [&] { return static_cast<long long>(tag("a node number")); });
       }
     }
   }
@@ -261,7 +275,8 @@ class GmshReader {
       const int type = tag("an element type");
       const std::size_t in_block = big_count("the number of elements of a block", 16, 4);
       if (in_block > n - done)
-        in_.fail("the element blocks hold more than the " + std::to_string(n) + " elements announced");
+        in_.fail("the element blocks hold more than the " + std::to_string(n) +
+                 " elements announced");
       const int nodes = checked_type(type);
       const auto group = region_of_volume_.find(entity);
       const int region = dimension == 3 && group != region_of_volume_.end() ? group->second : 0;
@@ -271,7 +286,8 @@ class GmshReader {
       }
     }
     if (done != n)
-      in_.fail("the element blocks hold " + std::to_string(done) + " elements, expected " + std::to_string(n));
+      in_.fail("the element blocks hold " + std::to_string(done) + " elements, expected " +
+               std::to_string(n));
   }
 
   MeshCursor& in_;
@@ -284,6 +300,8 @@ class GmshReader {
 
 }  // namespace
 
-MeshData read_gmsh(MeshCursor& in) { return GmshReader(in).read(); }
+MeshData read_gmsh(MeshCursor& in) {
+  return GmshReader(in).read();
+}
 
 }  // namespace sutura

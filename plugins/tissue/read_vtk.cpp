@@ -15,7 +15,8 @@ void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
     const long long first = cells.offsets[c];
     if (cells.offsets[c + 1] - first != 4)
       throw MeshProblem{line, "cell " + std::to_string(c) + " is a tetrahedron with " +
-                                  std::to_string(cells.offsets[c + 1] - first) + " points, expected 4"};
+                                  std::to_string(cells.offsets[c + 1] - first) +
+                                  " points, expected 4"};
     Tet tet;
     for (std::size_t k = 0; k < 4; ++k) {
       const long long p = cells.connectivity[static_cast<std::size_t>(first) + k];
@@ -28,7 +29,8 @@ void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
     if (!cells.region.empty()) {
       const double tag = cells.region[c];
       if (!(std::abs(tag) <= 2147483647.0) || tag != std::floor(tag))
-        throw MeshProblem{line, "the region of cell " + std::to_string(c) + " is not a whole number"};
+        throw MeshProblem{line,
+                          "the region of cell " + std::to_string(c) + " is not a whole number"};
       region = static_cast<int>(tag);
     }
     mesh.tets.push_back(tet);
@@ -60,7 +62,8 @@ class LegacyReader {
     if (at == std::string::npos || first.size() < at + 9)
       in_.fail("expected '# vtk DataFile Version n.n' in the first line");
     version_ = first[at + 8] - '0';
-    if (version_ < 2 || version_ > 5) in_.fail("only versions 2 to 5 of the VTK legacy format are read");
+    if (version_ < 2 || version_ > 5)
+      in_.fail("only versions 2 to 5 of the VTK legacy format are read");
     in_.rest_of_line();  // title
     const std::string_view form = in_.word("ASCII or BINARY");
     if (form != "ASCII" && form != "BINARY")
@@ -74,13 +77,20 @@ class LegacyReader {
 
   void section() {
     const std::string key(in_.word("a keyword"));
-    if (key == "POINTS") points();
-    else if (key == "CELLS") cells();
-    else if (key == "CELL_TYPES") cell_types();
-    else if (key == "CELL_DATA") data(true);
-    else if (key == "POINT_DATA") data(false);
-    else if (key == "METADATA") metadata();
-    else attribute(key);
+    if (key == "POINTS")
+      points();
+    else if (key == "CELLS")
+      cells();
+    else if (key == "CELL_TYPES")
+      cell_types();
+    else if (key == "CELL_DATA")
+      data(true);
+    else if (key == "POINT_DATA")
+      data(false);
+    else if (key == "METADATA")
+      metadata();
+    else
+      attribute(key);
   }
 
   // ---- values
@@ -97,7 +107,8 @@ class LegacyReader {
   }
   std::string type_word() {
     const std::string type(in_.word("a data type"));
-    if (size_of(type) == 0) in_.fail("data type '" + MeshCursor::shortened(type) + "' is not known");
+    if (size_of(type) == 0)
+      in_.fail("data type '" + MeshCursor::shortened(type) + "' is not known");
     return type;
   }
   double real(const std::string& type, const char* what) {
@@ -113,10 +124,17 @@ class LegacyReader {
       return in_.integer<long long>(what, std::numeric_limits<long long>::min(),
                                     std::numeric_limits<long long>::max());
     switch (size_of(type)) {
-      case 8: return in_.binary<std::int64_t>(what);
-      case 4: return type == "unsigned_int" ? in_.binary<std::uint32_t>(what) : in_.binary<std::int32_t>(what);
-      case 2: return type == "unsigned_short" ? in_.binary<std::uint16_t>(what) : in_.binary<std::int16_t>(what);
-      default: return type == "unsigned_char" ? in_.binary<std::uint8_t>(what) : in_.binary<std::int8_t>(what);
+      case 8:
+        return in_.binary<std::int64_t>(what);
+      case 4:
+        return type == "unsigned_int" ? in_.binary<std::uint32_t>(what)
+                                      : in_.binary<std::int32_t>(what);
+      case 2:
+        return type == "unsigned_short" ? in_.binary<std::uint16_t>(what)
+                                        : in_.binary<std::int16_t>(what);
+      default:
+        return type == "unsigned_char" ? in_.binary<std::uint8_t>(what)
+                                       : in_.binary<std::int8_t>(what);
     }
   }
   std::size_t bytes_each(const std::string& type) const { return binary_ ? size_of(type) : 2; }
@@ -124,8 +142,10 @@ class LegacyReader {
     if (binary_) in_.rest_of_line();
   }
   void skip_values(const std::string& type, std::size_t n) {
-    if (n > in_.left()) in_.fail("the file ends inside an array of " + std::to_string(n) + " values");
-    if (binary_) in_.skip_bytes(n * size_of(type), "an array");
+    if (n > in_.left())
+      in_.fail("the file ends inside an array of " + std::to_string(n) + " values");
+    if (binary_)
+      in_.skip_bytes(n * size_of(type), "an array");
     else
       for (std::size_t i = 0; i < n; ++i) in_.word("a value");
   }
@@ -136,7 +156,8 @@ class LegacyReader {
     has_points_ = true;
     const std::size_t n = in_.count("the number of points", 3);
     const std::string type = type_word();
-    if (type != "float" && type != "double") in_.fail("points of type '" + type + "', expected float or double");
+    if (type != "float" && type != "double")
+      in_.fail("points of type '" + type + "', expected float or double");
     in_.check_fits(n, "the number of points", 3 * bytes_each(type) - 1);
     begin_values();
     mesh_.points.resize(n);
@@ -161,11 +182,13 @@ class LegacyReader {
         in_.fail("cell " + std::to_string(c) + " has " + std::to_string(n) +
                  " points, more than the size of the cell list leaves");
       used += static_cast<std::size_t>(n) + 1;
-      for (long long k = 0; k < n; ++k) cells_.connectivity.push_back(whole("int", "a point of a cell"));
+      for (long long k = 0; k < n; ++k)
+        cells_.connectivity.push_back(whole("int", "a point of a cell"));
       cells_.offsets.push_back(static_cast<long long>(cells_.connectivity.size()));
     }
     if (used != size)
-      in_.fail("the cell list holds " + std::to_string(used) + " numbers, expected " + std::to_string(size));
+      in_.fail("the cell list holds " + std::to_string(used) + " numbers, expected " +
+               std::to_string(size));
   }
   void cells_by_offsets(std::size_t offsets, std::size_t size) {
     in_.keyword("OFFSETS");
@@ -184,7 +207,8 @@ class LegacyReader {
     type = type_word();
     in_.check_fits(size, "the size of the cell list", bytes_each(type) - (binary_ ? 0 : 1));
     begin_values();
-    for (std::size_t i = 0; i < size; ++i) cells_.connectivity.push_back(whole(type, "a point of a cell"));
+    for (std::size_t i = 0; i < size; ++i)
+      cells_.connectivity.push_back(whole(type, "a point of a cell"));
     if (cells_.offsets.empty()) cells_.offsets.push_back(0);
   }
   std::size_t cell_count() const { return cells_.offsets.size() - 1; }
@@ -193,7 +217,8 @@ class LegacyReader {
     if (!has_cells_) in_.fail("CELL_TYPES comes before CELLS");
     const std::size_t n = in_.count("the number of cell types", 1);
     if (n != cell_count())
-      in_.fail("there are " + std::to_string(n) + " cell types for " + std::to_string(cell_count()) + " cells");
+      in_.fail("there are " + std::to_string(n) + " cell types for " +
+               std::to_string(cell_count()) + " cells");
     begin_values();
     cells_.types.clear();
     for (std::size_t c = 0; c < n; ++c) cells_.types.push_back(whole("int", "a cell type"));
@@ -232,10 +257,14 @@ class LegacyReader {
       type = type_word();
     } else {
       type = type_word();
-      components = key == "SCALARS" ? 1 : key == "VECTORS" || key == "NORMALS" ? 3 : key == "TENSORS" ? 9 : 0;
+      components = key == "SCALARS"                       ? 1
+                   : key == "VECTORS" || key == "NORMALS" ? 3
+                   : key == "TENSORS"                     ? 9
+                                                          : 0;
     }
     if (components == 0 || components > 64)
-      in_.fail("found '" + MeshCursor::shortened(key) + "', expected a keyword of the VTK legacy format");
+      in_.fail("found '" + MeshCursor::shortened(key) +
+               "', expected a keyword of the VTK legacy format");
     if (key == "SCALARS") {
       const std::string_view rest = in_.rest_of_line();
       if (!rest.empty() && rest.find_first_of("234") != std::string_view::npos)
@@ -273,7 +302,8 @@ class LegacyReader {
              std::size_t tuples, bool on_cells) {
     const std::size_t rank = region_rank(name);
     if (!on_cells || components != 1 || rank >= region_rank_) {
-      if (components != 0 && tuples > in_.left()) in_.fail("an array of " + std::to_string(tuples) + " values does not fit in the file");
+      if (components != 0 && tuples > in_.left())
+        in_.fail("an array of " + std::to_string(tuples) + " values does not fit in the file");
       return skip_values(type, components * tuples);
     }
     in_.check_fits(tuples, "the number of values", bytes_each(type) - (binary_ ? 0 : 1));
@@ -296,6 +326,8 @@ class LegacyReader {
 
 }  // namespace
 
-MeshData read_vtk_legacy(MeshCursor& in) { return LegacyReader(in).read(); }
+MeshData read_vtk_legacy(MeshCursor& in) {
+  return LegacyReader(in).read();
+}
 
 }  // namespace sutura

@@ -34,8 +34,10 @@ std::optional<std::string> decode_base64(std::string_view text, std::size_t limi
     if (out.size() >= limit) break;
     if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
     if (c == '=') {
-      if (digits == 2) out += static_cast<char>(buffer >> 4);
-      else if (digits == 3) out += static_cast<char>(buffer >> 10), out += static_cast<char>(buffer >> 2);
+      if (digits == 2)
+        out += static_cast<char>(buffer >> 4);
+      else if (digits == 3)
+        out += static_cast<char>(buffer >> 10), out += static_cast<char>(buffer >> 2);
       digits = 0, buffer = 0;
       continue;
     }
@@ -80,7 +82,8 @@ class VtuReader {
 
     const XMLElement* piece = child(child(file, "UnstructuredGrid"), "Piece");
     if (piece->NextSiblingElement("Piece"))
-      fail(piece->NextSiblingElement("Piece"), "more than one <Piece>; merge the pieces into one file");
+      fail(piece->NextSiblingElement("Piece"),
+           "more than one <Piece>; merge the pieces into one file");
     const std::size_t points = count(piece, "NumberOfPoints");
     const std::size_t cells = count(piece, "NumberOfCells");
 
@@ -97,8 +100,8 @@ class VtuReader {
  private:
   void parse(const std::string& xml) {
     if (document_.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
-      throw MeshProblem{document_.ErrorLineNum(), std::string("not well-formed XML (") +
-                                                      document_.ErrorName() + ")"};
+      throw MeshProblem{document_.ErrorLineNum(),
+                        std::string("not well-formed XML (") + document_.ErrorName() + ")"};
   }
   static std::string_view text(const XMLElement* e, const char* attribute) {
     const char* value = e->Attribute(attribute);
@@ -120,7 +123,8 @@ class VtuReader {
   static std::size_t count(const XMLElement* e, const char* attribute) {
     const std::size_t n = whole(e, attribute);
     if (n > max_mesh_bytes)
-      fail(e, std::string(attribute) + " is " + std::to_string(n) + ", more than any mesh file can hold");
+      fail(e, std::string(attribute) + " is " + std::to_string(n) +
+                  ", more than any mesh file can hold");
     return n;
   }
   static std::size_t type_bytes(std::string_view type) {
@@ -135,9 +139,12 @@ class VtuReader {
   std::vector<T> values(const XMLElement* array, std::size_t n) {
     const std::string_view type = text(array, "type"), format = text(array, "format");
     const std::size_t each = type_bytes(type);
-    if (each == 0) fail(array, "type=\"" + MeshCursor::shortened(type) + "\", expected Int8 to UInt64 or Float32, Float64");
+    if (each == 0)
+      fail(array, "type=\"" + MeshCursor::shortened(type) +
+                      "\", expected Int8 to UInt64 or Float32, Float64");
     if constexpr (std::is_integral_v<T>)
-      if (type.starts_with("Float")) fail(array, "an array of Float numbers where whole numbers were expected");
+      if (type.starts_with("Float"))
+        fail(array, "an array of Float numbers where whole numbers were expected");
     if (format == "ascii") return ascii_values<T>(array, n);
     std::string data;
     if (format == "binary") {
@@ -148,7 +155,8 @@ class VtuReader {
         fail(array, "offset " + std::to_string(offset) + " lies behind the end of <AppendedData>");
       data = inline_block(array, appended_.substr(offset), n * each, appended_raw_);
     } else {
-      fail(array, "format=\"" + MeshCursor::shortened(format) + "\", expected ascii, binary or appended");
+      fail(array,
+           "format=\"" + MeshCursor::shortened(format) + "\", expected ascii, binary or appended");
     }
     MeshCursor in(data);
     in.swap_bytes = swap_;
@@ -161,16 +169,26 @@ class VtuReader {
   template <class T>
   T value(MeshCursor& in, std::string_view type, const XMLElement* array) {
     double real = 0;
-    if (type == "Float64") real = in.binary<double>("a value");
-    else if (type == "Float32") real = in.binary<float>("a value");
-    else if (type == "Int64") return static_cast<T>(in.binary<std::int64_t>("a value"));
-    else if (type == "UInt64") return static_cast<T>(in.binary<std::uint64_t>("a value"));
-    else if (type == "Int32") return static_cast<T>(in.binary<std::int32_t>("a value"));
-    else if (type == "UInt32") return static_cast<T>(in.binary<std::uint32_t>("a value"));
-    else if (type == "Int16") return static_cast<T>(in.binary<std::int16_t>("a value"));
-    else if (type == "UInt16") return static_cast<T>(in.binary<std::uint16_t>("a value"));
-    else if (type == "Int8") return static_cast<T>(in.binary<std::int8_t>("a value"));
-    else return static_cast<T>(in.binary<std::uint8_t>("a value"));
+    if (type == "Float64")
+      real = in.binary<double>("a value");
+    else if (type == "Float32")
+      real = in.binary<float>("a value");
+    else if (type == "Int64")
+      return static_cast<T>(in.binary<std::int64_t>("a value"));
+    else if (type == "UInt64")
+      return static_cast<T>(in.binary<std::uint64_t>("a value"));
+    else if (type == "Int32")
+      return static_cast<T>(in.binary<std::int32_t>("a value"));
+    else if (type == "UInt32")
+      return static_cast<T>(in.binary<std::uint32_t>("a value"));
+    else if (type == "Int16")
+      return static_cast<T>(in.binary<std::int16_t>("a value"));
+    else if (type == "UInt16")
+      return static_cast<T>(in.binary<std::uint16_t>("a value"));
+    else if (type == "Int8")
+      return static_cast<T>(in.binary<std::int8_t>("a value"));
+    else
+      return static_cast<T>(in.binary<std::uint8_t>("a value"));
     if (!std::isfinite(real)) fail(array, "the array holds a number that is not finite");
     return static_cast<T>(real);
   }
@@ -185,7 +203,8 @@ class VtuReader {
     try {
       while (!in.peek().empty() && out.size() < n) {
         if constexpr (std::is_integral_v<T>)
-          out.push_back(in.integer<T>("a value", std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+          out.push_back(in.integer<T>("a value", std::numeric_limits<T>::min(),
+                                      std::numeric_limits<T>::max()));
         else
           out.push_back(in.real("a value"));
       }
@@ -196,12 +215,13 @@ class VtuReader {
     return out;
   }
   [[noreturn]] static void wrong_length(const XMLElement* array, std::size_t n) {
-    fail(array, "the array '" + MeshCursor::shortened(text(array, "Name")) + "' does not hold the " +
-                    std::to_string(n) + " values expected");
+    fail(array, "the array '" + MeshCursor::shortened(text(array, "Name")) +
+                    "' does not hold the " + std::to_string(n) + " values expected");
   }
 
   /// Strips the byte count in front of a block and compares it with what is expected.
-  std::string inline_block(const XMLElement* array, std::string_view source, std::size_t expected, bool raw) {
+  std::string inline_block(const XMLElement* array, std::string_view source, std::size_t expected,
+                           bool raw) {
     if (expected > source.size()) wrong_block(array, source.size(), expected);
     std::string data;
     if (raw) {
@@ -217,30 +237,35 @@ class VtuReader {
     const std::uint64_t stated = header_bytes_ == 8 ? in.binary<std::uint64_t>("a block size")
                                                     : in.binary<std::uint32_t>("a block size");
     if (stated != expected) wrong_block(array, stated, expected);
-    if (data.size() - header_bytes_ < expected) wrong_block(array, data.size() - header_bytes_, expected);
+    if (data.size() - header_bytes_ < expected)
+      wrong_block(array, data.size() - header_bytes_, expected);
     return data.substr(header_bytes_, expected);
   }
-  [[noreturn]] static void wrong_block(const XMLElement* array, std::size_t found, std::size_t expected) {
+  [[noreturn]] static void wrong_block(const XMLElement* array, std::size_t found,
+                                       std::size_t expected) {
     fail(array, "the block of array '" + MeshCursor::shortened(text(array, "Name")) + "' has " +
                     std::to_string(found) + " bytes, expected " + std::to_string(expected) +
                     " (is header_type or byte_order wrong?)");
   }
 
   void read_points(const XMLElement* array, std::size_t n, MeshData& mesh) {
-    if (text(array, "NumberOfComponents") != "3") fail(array, "points need NumberOfComponents=\"3\"");
+    if (text(array, "NumberOfComponents") != "3")
+      fail(array, "points need NumberOfComponents=\"3\"");
     const std::vector<double> x = values<double>(array, 3 * n);
     mesh.points.resize(n);
     for (std::size_t i = 0; i < n; ++i) mesh.points[i] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
   }
 
   static const XMLElement* named_array(const XMLElement* parent, std::string_view name) {
-    for (const XMLElement* a = parent->FirstChildElement("DataArray"); a; a = a->NextSiblingElement("DataArray"))
+    for (const XMLElement* a = parent->FirstChildElement("DataArray"); a;
+         a = a->NextSiblingElement("DataArray"))
       if (text(a, "Name") == name) return a;
     return nullptr;
   }
 
   void read_cells(const XMLElement* element, std::size_t n, VtkCells& list) {
-    const XMLElement *offsets = named_array(element, "offsets"), *types = named_array(element, "types"),
+    const XMLElement *offsets = named_array(element, "offsets"),
+                     *types = named_array(element, "types"),
                      *connectivity = named_array(element, "connectivity");
     if (!offsets || !types || !connectivity)
       fail(element, "<Cells> needs the arrays connectivity, offsets and types");
@@ -249,8 +274,10 @@ class VtuReader {
     list.offsets.insert(list.offsets.begin(), 0);
     for (std::size_t c = 0; c < n; ++c)
       if (list.offsets[c + 1] < list.offsets[c]) fail(offsets, "the offsets do not ascend");
-    if (list.offsets.back() > static_cast<long long>(max_mesh_bytes)) fail(offsets, "the last offset is too large");
-    list.connectivity = values<long long>(connectivity, static_cast<std::size_t>(list.offsets.back()));
+    if (list.offsets.back() > static_cast<long long>(max_mesh_bytes))
+      fail(offsets, "the last offset is too large");
+    list.connectivity =
+        values<long long>(connectivity, static_cast<std::size_t>(list.offsets.back()));
   }
 
   void read_region(const XMLElement* data, std::size_t n, VtkCells& list) {
@@ -270,6 +297,8 @@ class VtuReader {
 
 }  // namespace
 
-MeshData read_vtu(std::string_view bytes) { return VtuReader(bytes).read(); }
+MeshData read_vtu(std::string_view bytes) {
+  return VtuReader(bytes).read();
+}
 
 }  // namespace sutura

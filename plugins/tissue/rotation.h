@@ -9,8 +9,8 @@
 namespace sutura {
 
 /// argmax tr(R^T F) over rotations, through the singular values: right for every F, also singular
-/// or inverted ones, and slow. Where several rotations are equally near (F = 0, say) it takes one of
-/// them, always the same; if F is not finite, the identity.
+/// or inverted ones, and slow. Where several rotations are equally near (F = 0, say) it takes one
+/// of them, always the same; if F is not finite, the identity.
 Mat3 rotation_by_svd(const Mat3& F);
 
 /// Small matrices in registers: entry (i, j) of a 3x3 matrix is m[3 j + i], as Mat3 stores it.

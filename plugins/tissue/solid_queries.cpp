@@ -35,8 +35,8 @@ Real angle_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
 }
 
 /// Points seen along a segment: x and y across it, z its parameter (0 at a, 1 at b). A point is
-/// rounded once, whatever triangle it is seen in, and `side` rounds monotonically: its sign is right
-/// or it is zero. So no segment finds a gap between triangles (Woop, Benthin and Wald, 2013).
+/// rounded once, whatever triangle it is seen in, and `side` rounds monotonically: its sign is
+/// right or it is zero. So no segment finds a gap between triangles (Woop, Benthin and Wald, 2013).
 class AlongSegment {
  public:
   AlongSegment(const Vec3& a, const Vec3& b) : a_(a), d_(b - a) {
@@ -70,7 +70,9 @@ SolidTopology::SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tet
     std::array<Index, 3> edges{};
     for (std::size_t k = 0; k < 3; ++k) {
       const Index i = f.nodes[k], j = f.nodes[(k + 1) % 3];
-      edges[k] = number.try_emplace({std::min(i, j), std::max(i, j)}, static_cast<Index>(number.size())).first->second;
+      edges[k] =
+          number.try_emplace({std::min(i, j), std::max(i, j)}, static_cast<Index>(number.size()))
+              .first->second;
     }
     edge_of_.push_back(edges);
   }
@@ -117,7 +119,8 @@ void SolidQueries::fit_triangles() const {
     const std::array<Vec3, 3> t = corners(f);
     const Vec3 normal = unit((t[1] - t[0]).cross(t[2] - t[0]));
     for (std::size_t k = 0; k < 3; ++k) {
-      vertex_normal_[topology_->boundary_[f].nodes[k]] += angle_at(t[k], t[(k + 1) % 3], t[(k + 2) % 3]) * normal;
+      vertex_normal_[topology_->boundary_[f].nodes[k]] +=
+          angle_at(t[k], t[(k + 1) % 3], t[(k + 2) % 3]) * normal;
       edge_normal_[topology_->edge_of_[f][k]] += normal;
     }
   }
@@ -199,7 +202,8 @@ std::optional<SurfacePoint> SolidQueries::crossing(const Vec3& a, const Vec3& b)
   Real first = 2;
   Index triangle = -1;
   Vec3 weights = Vec3::Zero();
-  const Real size = triangle_boxes_.empty() ? 0 : (triangle_boxes_[0].high - triangle_boxes_[0].low).norm();
+  const Real size =
+      triangle_boxes_.empty() ? 0 : (triangle_boxes_[0].high - triangle_boxes_[0].low).norm();
   const Real margin = 1e-12 * (size + (b - a).norm());
   const AlongSegment along(a, b);
   if (along.empty()) return {};

@@ -16,7 +16,8 @@ namespace sutura {
 /// What does not depend on the positions: trees and adjacency, made on the rest shape.
 class SolidTopology {
  public:
-  SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tets, std::vector<BoundaryFace> boundary);
+  SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tets,
+                std::vector<BoundaryFace> boundary);
 
   const std::vector<Tet>& tets() const { return tets_; }
   const std::vector<BoundaryFace>& boundary() const { return boundary_; }
@@ -35,7 +36,8 @@ class SolidTopology {
 /// workers at once.
 class SolidQueries {
  public:
-  explicit SolidQueries(std::shared_ptr<const SolidTopology> topology) : topology_(std::move(topology)) {}
+  explicit SolidQueries(std::shared_ptr<const SolidTopology> topology)
+      : topology_(std::move(topology)) {}
 
   /// `x`: 3 n numbers, kept by reference.
   void move(const VecX& x) {

@@ -22,8 +22,10 @@ void TetMesh::describe(Describe<TetMesh>& d) {
   d.attribute("unit", &TetMesh::unit, {"unstated", "m", "cm", "mm"},
               "The unit of length of the file; unstated means metres, with a warning if the mesh "
               "is so large that millimetres were probably meant.");
-  d.output("nodes", "1", "Number of nodes.", [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.points.size()); });
-  d.output("tets", "1", "Number of tetrahedra.", [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.tets.size()); });
+  d.output("nodes", "1", "Number of nodes.",
+           [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.points.size()); });
+  d.output("tets", "1", "Number of tetrahedra.",
+           [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.tets.size()); });
 }
 
 void TetMesh::initialise(Setup& setup) {
@@ -32,8 +34,10 @@ void TetMesh::initialise(Setup& setup) {
   if (reading.problem) {
     // A fault inside the file is shown at its line there; one of the file as a whole, in the scene.
     const auto& [line, message] = *reading.problem;
-    if (line > 0) setup.diagnostics.error({path.string(), line}, this->path(), message, Category::file);
-    else setup.error(*this, "mesh file '" + path.string() + "': " + message, Category::file);
+    if (line > 0)
+      setup.diagnostics.error({path.string(), line}, this->path(), message, Category::file);
+    else
+      setup.error(*this, "mesh file '" + path.string() + "': " + message, Category::file);
     return;
   }
   data_ = std::move(reading.mesh);
@@ -55,7 +59,8 @@ std::optional<int> TetMesh::region(const std::string& name_or_tag, std::string& 
     const auto named = data_.region_names.find(tag);
     const std::string name = named == data_.region_names.end() ? std::string() : named->second;
     if (name_or_tag == std::to_string(tag) || (!name.empty() && name_or_tag == name)) return tag;
-    list += (list.empty() ? "" : ", ") + std::to_string(tag) + (name.empty() ? "" : " (" + name + ")");
+    list +=
+        (list.empty() ? "" : ", ") + std::to_string(tag) + (name.empty() ? "" : " (" + name + ")");
   }
   error = "the mesh has no region '" + name_or_tag + "'; it has " + list;
   return {};

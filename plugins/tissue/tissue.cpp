@@ -1,8 +1,8 @@
 #include "tissue.h"
 
 #include "corotational_t4.h"
-#include "smoothed_t4.h"
 #include "direct_solver.h"
+#include "smoothed_t4.h"
 
 namespace sutura {
 
@@ -10,7 +10,8 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.summary(
       "Soft tissue: corotational tetrahedra, lumped mass, implicit Euler with one linearisation "
       "per step.");
-  d.attribute("young", &Tissue::young, "Pa", above(0), "Young modulus, where no Layer says otherwise.");
+  d.attribute("young", &Tissue::young, "Pa", above(0),
+              "Young modulus, where no Layer says otherwise.");
   d.attribute("poisson", &Tissue::poisson, "1", strictly_between(-1, 0.5),
               "Poisson ratio; linear elements grow too stiff from about 0.4 on.");
   d.attribute("density", &Tissue::density, "kg/m^3", above(0), "Density.");
@@ -19,23 +20,29 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", at_least(0),
               "Rayleigh damping in proportion to stiffness: viscosity.");
   d.attribute("element", &Tissue::element, {"t4", "smoothed"},
-              "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged over edges "
-              "and nodes, accurate there at two to three times the cost.");
-  d.attribute("iterations", &Tissue::iterations, at_least(1),
-              "Linearisations per step, at least; a step whose motion would gain energy takes up to five.");
+              "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged "
+              "over edges "
+              "and nodes, accurate there at three to four times the cost.");
+  d.attribute(
+      "iterations", &Tissue::iterations, at_least(1),
+      "Linearisations per step, at least; a step whose motion would gain energy takes up to five.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
-  d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.").optional();
+  d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.")
+      .optional();
   d.output("reaction", "N", "Force with which all attachments together hold the tissue.",
            [](const Tissue& t) -> Vec3 {
              Vec3 sum = Vec3::Zero();
              for (Index i = 0; i < t.dofs(); i += 3) sum += t.reaction_.segment<3>(i);
              return sum;
            });
-  d.output("lowest", "m", "Height z of the lowest node.", [](const Tissue& t) -> Real { return t.lowest().z(); });
+  d.output("lowest", "m", "Height z of the lowest node.",
+           [](const Tissue& t) -> Real { return t.lowest().z(); });
   d.output("max_displacement", "m", "Largest distance of a node from its rest position.",
            [](const Tissue& t) -> Real { return t.max_displacement(); });
-  d.output("energy", "J", "Kinetic plus elastic energy.", [](const Tissue& t) -> Real { return t.energy(); });
-  d.output("momentum", "kg m/s", "Linear momentum.", [](const Tissue& t) -> Vec3 { return t.momentum(); });
+  d.output("energy", "J", "Kinetic plus elastic energy.",
+           [](const Tissue& t) -> Real { return t.energy(); });
+  d.output("momentum", "kg m/s", "Linear momentum.",
+           [](const Tissue& t) -> Vec3 { return t.momentum(); });
   d.output("linearisations", "1", "Linearisations in the last step.",
            [](const Tissue& t) -> Real { return static_cast<Real>(t.linearisations_); });
   d.output("inverted", "1", "Tetrahedra turned inside out.",
@@ -64,7 +71,8 @@ void Tissue::initialise(Setup&) {
   elastic_->bind(*A_->pattern());
   update_materials();
 
-  const auto topology = std::make_shared<const SolidTopology>(data.points, data.tets, mesh->boundary());
+  const auto topology =
+      std::make_shared<const SolidTopology>(data.points, data.tets, mesh->boundary());
   queries_.assign(3, SolidQueries(topology));
   queries_[0].move(rest_);
   queries_[1].move(x_);
@@ -86,7 +94,8 @@ void Tissue::update_materials() {
   tet_material_.clear();
   for (std::size_t e = 0; e < data.tets.size(); ++e) {
     const auto layer = materials_.find(data.region[e]);
-    const Material material = layer != materials_.end() ? layer->second : Material{young, poisson, density};
+    const Material material =
+        layer != materials_.end() ? layer->second : Material{young, poisson, density};
     tet_material_.push_back(material);
     const Tet& t = data.tets[e];
     const Real volume =
@@ -101,7 +110,9 @@ void Tissue::fix(const std::vector<Index>& nodes) {
   any_fixed_ = any_fixed_ || !nodes.empty();
 }
 
-Vec3 Tissue::position(const EmbeddedPoint& p, Configuration c) const { return queries(c).position(p); }
+Vec3 Tissue::position(const EmbeddedPoint& p, Configuration c) const {
+  return queries(c).position(p);
+}
 
 void Tissue::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
   const Tet& t = mesh->data().tets[p.element];
@@ -122,7 +133,8 @@ void Tissue::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
 std::optional<EmbeddedPoint> Tissue::locate(const Vec3& p, Configuration c) const {
   return queries(c).locate(p);
 }
-std::optional<SurfacePoint> Tissue::closest_surface(const Vec3& p, Real reach, Configuration c) const {
+std::optional<SurfacePoint> Tissue::closest_surface(const Vec3& p, Real reach,
+                                                    Configuration c) const {
   return queries(c).closest_surface(p, reach);
 }
 std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Configuration c) const {
@@ -131,6 +143,8 @@ std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Confi
 Vec3 Tissue::surface_normal(Index triangle, Configuration c) const {
   return queries(c).surface_normal(triangle);
 }
-int Tissue::region(const EmbeddedPoint& p) const { return mesh->data().region[p.element]; }
+int Tissue::region(const EmbeddedPoint& p) const {
+  return mesh->data().region[p.element];
+}
 
 }  // namespace sutura

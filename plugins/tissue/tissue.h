@@ -74,13 +74,17 @@ class Tissue : public Component, public SolidBody {
 
   // SolidBody
   std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const override;
-  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach, Configuration c) const override;
-  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b, Configuration c) const override;
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
+                                              Configuration c) const override;
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
+                                       Configuration c) const override;
   Vec3 surface_normal(Index triangle, Configuration c) const override;
   int region(const EmbeddedPoint& p) const override;
 
  private:
-  const SolidQueries& queries(Configuration c) const { return queries_[static_cast<std::size_t>(c)]; }
+  const SolidQueries& queries(Configuration c) const {
+    return queries_[static_cast<std::size_t>(c)];
+  }
   void update_materials();
   void start();
   void linearise(const StepContext& context);

@@ -49,7 +49,8 @@ Vec3 Tissue::lowest() const {
 
 Vec3 Tissue::momentum() const {
   Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < mass_.size(); ++i) sum += mass_[i] * v_.segment<3>(3 * static_cast<Index>(i));
+  for (std::size_t i = 0; i < mass_.size(); ++i)
+    sum += mass_[i] * v_.segment<3>(3 * static_cast<Index>(i));
   return sum;
 }
 
@@ -66,14 +67,17 @@ Real Tissue::energy() const {
   return kinetic + elastic_->energy(x_);
 }
 
-bool Tissue::finite() const { return x_.allFinite() && v_.allFinite(); }
+bool Tissue::finite() const {
+  return x_.allFinite() && v_.allFinite();
+}
 
 BodyGeometry Tissue::geometry() const {
   const MeshData& data = mesh->data();
   BodyGeometry g;
   g.cell = BodyGeometry::Cell::tetrahedron;
-  BodyGeometry::Field displacement{"displacement [m]", false, 3, {}}, velocity{"velocity [m/s]", false, 3, {}},
-      held{"held", false, 1, {}}, region{"region", true, 1, {}}, stress{"von Mises stress [Pa]", true, 1, {}},
+  BodyGeometry::Field displacement{"displacement [m]", false, 3, {}},
+      velocity{"velocity [m/s]", false, 3, {}}, held{"held", false, 1, {}},
+      region{"region", true, 1, {}}, stress{"von Mises stress [Pa]", true, 1, {}},
       strain{"largest stretch", true, 1, {}};
   for (std::size_t i = 0; i < data.points.size(); ++i) {
     const Index k = 3 * static_cast<Index>(i);
@@ -95,7 +99,7 @@ BodyGeometry Tissue::geometry() const {
     strain.values.push_back(std::sqrt((F.transpose() * F).operatorNorm()));
   }
   g.fields = {std::move(displacement), std::move(velocity), std::move(held),
-              std::move(region), std::move(stress), std::move(strain)};
+              std::move(region),       std::move(stress),   std::move(strain)};
   return g;
 }
 

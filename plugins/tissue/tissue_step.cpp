@@ -45,7 +45,8 @@ void Tissue::linearise(const StepContext& context) {
   for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
     const auto u = guess_.segment<3>(3 * i);
     residual_.segment<3>(3 * i) =
-        mass_[i] * (v_.segment<3>(3 * i) - u + h * (context.gravity - alpha * u) + share * (1 + h * alpha) * u) +
+        mass_[i] * (v_.segment<3>(3 * i) - u + h * (context.gravity - alpha * u) +
+                    share * (1 + h * alpha) * u) +
         h * elastic_force_.segment<3>(3 * i) - share * product_.segment<3>(3 * i);
   }
   if (solver_->wants_rotations()) update_node_rotations();
@@ -60,9 +61,9 @@ void Tissue::add_constraint_motion(Real h) {
   v_free_ += rhs_;
 }
 
-/// Implicit Euler loses energy. If the motion gains more than gravity (and the constraint forces, if
-/// it is `pushed`) have put in, the linearisation does not hold: a body flung round by a large angle
-/// in one step. Motion of a small part of an element is not even looked at.
+/// Implicit Euler loses energy. If the motion gains more than gravity (and the constraint forces,
+/// if it is `pushed`) have put in, the linearisation does not hold: a body flung round by a large
+/// angle in one step. Motion of a small part of an element is not even looked at.
 bool Tissue::gains_energy(const StepContext& context, bool pushed) {
   const Real h = context.dt;
   Real farthest = 0, before = 0, after = 0, work = 0;
@@ -93,8 +94,9 @@ void Tissue::free_motion(const StepContext& context) {
   // More linearisations follow the motion under the constraint forces of the last step, which is
   // nearer to the one that will come; their effect is taken off again at the end.
   bool pushed = false;
-  for (linearisations_ = 1; linearisations_ < iterations ||
-                            (linearisations_ < most_linearisations && gains_energy(context, pushed));
+  for (linearisations_ = 1;
+       linearisations_ < iterations ||
+       (linearisations_ < most_linearisations && gains_energy(context, pushed));
        ++linearisations_) {
     if (!pushed) add_constraint_motion(h);
     pushed = true;
@@ -109,7 +111,9 @@ void Tissue::free_motion(const StepContext& context) {
   queries_[static_cast<std::size_t>(Configuration::free)].move(x_free_);
 }
 
-void Tissue::solve(Eigen::Ref<MatX> columns) const { solver_->solve(columns); }
+void Tissue::solve(Eigen::Ref<MatX> columns) const {
+  solver_->solve(columns);
+}
 
 void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
   add_tissue_compliance(*solver_, rows, dt, W);
@@ -128,14 +132,16 @@ void Tissue::correct(const StepContext& context, const VecX& force) {
     for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i)
       if (fixed_[i])
         reaction_.segment<3>(3 * i) =
-            (product_.segment<3>(3 * i) - residual_.segment<3>(3 * i)) / h - force.segment<3>(3 * i);
+            (product_.segment<3>(3 * i) - residual_.segment<3>(3 * i)) / h -
+            force.segment<3>(3 * i);
   }
   v_ = v_free_;
   x_ += h * v_;
   queries_[static_cast<std::size_t>(Configuration::current)].move(x_);
 }
 
-/// The material around a node turns as its tets do, each in proportion to its volume, where A was made.
+/// The material around a node turns as its tets do, each in proportion to its volume, where A was
+/// made.
 void Tissue::update_node_rotations() {
   const MeshData& data = mesh->data();
   node_rotations_.assign(data.points.size(), Mat3::Zero());

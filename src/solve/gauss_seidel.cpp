@@ -102,7 +102,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
       if (direct_step_pays(problem, free, before, residual.value)) {
         const Real swept = residual.value;
         residual = subspace_.newton(problem, diagonal_, residual, options_.tolerance, lambda_plus_,
-                                    report.direct_solves);
+                                    report.direct_solves, wait == 4 || wait == 8);
         // Modes were not right yet: let sweeps find them, longer each time.
         wait = residual.value < 0.1 * swept ? 1 : 2 * wait;
         pause = wait;

@@ -13,11 +13,13 @@ void ReferenceSolver::set_rho(const ConstraintProblem& problem, Real rho) {
   factor_.compute(M);
 }
 
-Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real target) {
+Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real target,
+                               Index& iterations) {
   VecX& z = problem.lambda;
   Residual residual;
   VecX z_before;
   for (Index k = 0; k < count; ++k) {
+    ++iterations;
     x_ = factor_.solve(penalty_.cwiseProduct(z) + s_ - problem.d_free);
     z_before = z;
     for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
@@ -82,13 +84,12 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
     if (report.sweeps >= options_.iterations || !std::isfinite(residual.value)) break;
     constexpr Index turn = 100;
     const Index count = std::min(turn, options_.iterations - report.sweeps);
-    residual = admm(problem, count, options_.newton ? target : options_.tolerance);
-    report.sweeps += count;
+    residual = admm(problem, count, options_.newton ? target : options_.tolerance, report.sweeps);
     if (options_.newton) {
       const VecX lambda = problem.lambda;
       const Residual polished =
           subspace_.newton(problem, diagonal_, residual, options_.tolerance, lambda_plus_,
-                           report.direct_solves);
+                           report.direct_solves, target < 1e-4);
       if (polished.value <= 0.1 * residual.value) s_ = problem.delta;
       else problem.lambda = lambda;  // not near enough: ADMM goes on where it was
       update_delta(problem);

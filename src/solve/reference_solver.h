@@ -30,7 +30,7 @@ class ReferenceSolver {
  private:
   void set_rho(const ConstraintProblem& problem, Real rho);
   /// Iterates at most `count` times or until the law residual falls below `target`.
-  Residual admm(ConstraintProblem& problem, Index count, Real target);
+  Residual admm(ConstraintProblem& problem, Index count, Real target, Index& iterations);
 
   ReferenceOptions options_;
   DiagonalBlocks diagonal_;

@@ -163,7 +163,7 @@ bool SubspaceStep::solve(ConstraintProblem& problem) {
 
 Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
                               Residual residual, Real tolerance, VecX& lambda_plus,
-                              Index& direct_solves) {
+                              Index& direct_solves, bool may_walk) {
   constexpr int most_steps = 12;
   const VecX& start = start_lambda_ = problem.lambda;
   best_ = residual;
@@ -176,7 +176,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& 
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
   }
-  if (best_.value > tolerance) {
+  if (may_walk && best_.value > tolerance) {
     problem.lambda = start;
     update_delta(problem);
     walk(problem, diagonal, tolerance, lambda_plus, direct_solves);
@@ -244,9 +244,13 @@ void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagon
     if (block_residual_[i] <= tolerance) take_tangent(problem, diagonal, lambda_plus, i);
     else hold(problem, diagonal, problem.lambda, i);
   }
+  // At most 1e9 multiplications, some tenths of a second: counted, not timed, so that results do not depend on the machine.
+  const Real n = static_cast<Real>(problem.rows());
+  const auto affordable = static_cast<std::size_t>(1e9 / (n * n * n / 6 + 2 * n * n));
+  const std::size_t most_steps = std::min(3 * blocks + 20, affordable);
   VecX& from = walk_from_;
   VecX& way = walk_way_;
-  for (std::size_t step = 0; step < 3 * blocks + 20; ++step) {
+  for (std::size_t step = 0; step < most_steps; ++step) {
     collect(problem);
     from = problem.lambda;
     if (!solve(problem)) return;
@@ -285,8 +289,9 @@ void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagon
       if (stops_[i] > length + 1e-12) continue;
       // Clamped where it stopped: the law's answer just beyond.
       const ConstraintBlock& b = problem.blocks[i];
-      const VecX beyond = from + (length + 1e-6) * way;
-      hold(problem, diagonal, beyond, i);
+      column_.resize(problem.rows());
+      column_ = from + (length + 1e-6) * way;
+      hold(problem, diagonal, column_, i);
       problem.lambda.segment(b.first_row, b.law->dim) = base_.segment(b.first_row, b.law->dim);
     }
     update_delta(problem);

@@ -24,11 +24,11 @@ class SubspaceStep {
   Index gather(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
                const VecX& lambda_plus);
 
-  /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may cycle. If it does, a
-  /// slower walk from where it started. Leaves the best point met. lambda must be admissible for every law (as it is after
+  /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may cycle. If it does and
+  /// `may_walk`, a slower walk from where it started. Leaves the best point met. lambda must be admissible for every law (as it is after
   /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Residual residual,
-                  Real tolerance, VecX& lambda_plus, Index& direct_solves);
+                  Real tolerance, VecX& lambda_plus, Index& direct_solves, bool may_walk);
 
  private:
   struct Entry {

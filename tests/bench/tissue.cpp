@@ -1,4 +1,5 @@
-// sutura_bench_tissue FOLDER [cure|steps|age|compliance]...: writes the tables of the tissue into FOLDER, all of them if none is named.
+// sutura_bench_tissue FOLDER [cure|steps|age|compliance]...: writes the tables of the tissue into
+// FOLDER, all of them if none is named.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>

@@ -31,11 +31,13 @@ struct Result {
 };
 
 /// One step of statics from rest: K u = f, timed as a time step spends its time.
-Result solve(const MeshData& mesh, bool smoothed, Real poisson, const std::function<bool(const Vec3&)>& held,
-             const Load& load) {
+Result solve(const MeshData& mesh, bool smoothed, Real poisson,
+             const std::function<bool(const Vec3&)>& held, const Load& load) {
   std::unique_ptr<ElasticModel> model;
-  if (smoothed) model = std::make_unique<SmoothedT4>(mesh.points, mesh.tets);
-  else model = std::make_unique<CorotationalT4>(mesh.points, mesh.tets);
+  if (smoothed)
+    model = std::make_unique<SmoothedT4>(mesh.points, mesh.tets);
+  else
+    model = std::make_unique<CorotationalT4>(mesh.points, mesh.tets);
   NodeMatrix A(static_cast<Index>(mesh.points.size()), model->pairs());
   model->bind(*A.pattern());
   model->set_materials(std::vector<Material>(mesh.tets.size(), Material{1e4, poisson, 1000}));
@@ -44,7 +46,8 @@ Result solve(const MeshData& mesh, bool smoothed, Real poisson, const std::funct
   VecX force = VecX::Zero(3 * A.nodes());
   Real area = 0;
   for (const BoundaryFace& f : check_mesh(copy, false).boundary) {
-    const Vec3 &a = mesh.points[f.nodes[0]], &b = mesh.points[f.nodes[1]], &c = mesh.points[f.nodes[2]];
+    const Vec3 &a = mesh.points[f.nodes[0]], &b = mesh.points[f.nodes[1]],
+               &c = mesh.points[f.nodes[2]];
     if (!load.face(a) || !load.face(b) || !load.face(c)) continue;
     const Real s = 0.5 * (b - a).cross(c - a).norm();
     area += s;
@@ -55,12 +58,15 @@ Result solve(const MeshData& mesh, bool smoothed, Real poisson, const std::funct
   for (const Vec3& p : mesh.points) fixed.push_back(held(p));
 
   const auto factor = make_factor(make_factor_plan(A.pattern(), fixed, {}, default_backend()));
-  Result r{.nodes = A.nodes(), .tets = static_cast<Index>(mesh.tets.size()), .blocks = A.pattern()->slots()};
+  Result r{.nodes = A.nodes(),
+           .tets = static_cast<Index>(mesh.tets.size()),
+           .blocks = A.pattern()->slots()};
   r.assembly_ns = r.factor_ms = r.solve_ms = std::numeric_limits<double>::infinity();
   const VecX rest = stacked(mesh.points);
   MatX u;
   const Clock whole;
-  for (int repeat = 0; repeat < 5 && (repeat == 0 || whole.cpu_ms() < 400); ++repeat) {  // the best: other work only adds
+  for (int repeat = 0; repeat < 5 && (repeat == 0 || whole.cpu_ms() < 400);
+       ++repeat) {  // the best: other work only adds
     VecX elastic = VecX::Zero(rest.size());
     const Clock assembly;
     A.set_zero();
@@ -81,21 +87,25 @@ Result solve(const MeshData& mesh, bool smoothed, Real poisson, const std::funct
 
 class Table {
  public:
-  Table(const std::string& folder, const char* name) : out_(folder + "/" + name + "_work_precision.csv") {
-    out_ << "case,element,nu,cells,nodes,tets,blocks,error,cpu_step_ms,assembly_ns_per_tet,factor_ms\n";
-    std::printf("%s\n%-10s %5s %6s %7s %8s %9s %8s %10s %9s %9s\n", name, "element", "nu", "cells", "nodes", "tets",
-                "error %", "step ms", "assembly", "ns/tet", "factor ms");
+  Table(const std::string& folder, const char* name)
+      : out_(folder + "/" + name + "_work_precision.csv") {
+    out_ << "case,element,nu,cells,nodes,tets,blocks,error,cpu_step_ms,assembly_ns_per_tet,factor_"
+            "ms\n";
+    std::printf("%s\n%-10s %5s %6s %7s %8s %9s %8s %10s %9s %9s\n", name, "element", "nu", "cells",
+                "nodes", "tets", "error %", "step ms", "assembly", "ns/tet", "factor ms");
   }
   void add(bool smoothed, Real nu, int cells, const Result& r, Real reference) {
     const char* element = smoothed ? "smoothed" : "t4";
     const Real error = r.mean / reference - 1;
     char line[200];
-    std::snprintf(line, sizeof line, "%s nu %g,%s,%g,%d,%ld,%ld,%ld,%.5g,%.4g,%.4g,%.4g\n", element, nu, element, nu, cells,
-                  static_cast<long>(r.nodes), static_cast<long>(r.tets), static_cast<long>(r.blocks), std::abs(error),
-                  r.step_ms, r.assembly_ns, r.factor_ms);
+    std::snprintf(line, sizeof line, "%s nu %g,%s,%g,%d,%ld,%ld,%ld,%.5g,%.4g,%.4g,%.4g\n", element,
+                  nu, element, nu, cells, static_cast<long>(r.nodes), static_cast<long>(r.tets),
+                  static_cast<long>(r.blocks), std::abs(error), r.step_ms, r.assembly_ns,
+                  r.factor_ms);
     out_ << line;
-    std::printf("%-10s %5g %6d %7ld %8ld %+9.2f %8.2f %10s %9.1f %9.2f\n", element, nu, cells, static_cast<long>(r.nodes),
-                static_cast<long>(r.tets), 100 * error, r.step_ms, "", r.assembly_ns, r.factor_ms);
+    std::printf("%-10s %5g %6d %7ld %8ld %+9.2f %8.2f %10s %9.1f %9.2f\n", element, nu, cells,
+                static_cast<long>(r.nodes), static_cast<long>(r.tets), 100 * error, r.step_ms, "",
+                r.assembly_ns, r.factor_ms);
     std::fflush(stdout);
   }
 
@@ -106,9 +116,11 @@ class Table {
 struct Reference {
   Real nu, bending, indentation;
 };
-// Bending: quadratic tets extrapolated, tests/reference/b03. Indentation: indentation_reference.py.
-constexpr Reference references[] = {
-    {0.3, 0.0002542535543, 0}, {0.45, 0.000250301533, 0}, {0.49, 0.0002489641571, 0}};
+// Bending: quadratic tets extrapolated, tests/reference/b03. Indentation: indentation_reference.py,
+// whose extrapolation moves its finest mesh by 0.5 to 1.2 %.
+constexpr Reference references[] = {{0.3, 0.0002542535543, 6.8226e-05},
+                                    {0.45, 0.000250301533, 5.8619e-05},
+                                    {0.49, 0.0002489641571, 5.5426e-05}};
 
 }  // namespace
 
@@ -126,11 +138,13 @@ void tissue_cure(const std::string& folder) {
   Table indentation(folder, "tissue_indentation");
   for (const Reference& reference : references)
     for (const bool smoothed : {false, true})
-      for (const int cells : {2, 4, 6}) {  // across the patch of 10 x 10 mm on a block of 40 x 40 x 20 mm
+      for (const int cells :
+           {2, 4, 6}) {  // across the patch of 10 x 10 mm on a block of 40 x 40 x 20 mm
         if (smoothed && cells > 4) continue;  // t4 gets the finer mesh: equal time, not equal nodes
         const MeshData mesh = kuhn_block({4 * cells, 4 * cells, 2 * cells}, Vec3(0.04, 0.04, 0.02));
         const auto on_patch = [](const Vec3& x) {
-          return x[2] > 0.02 - 1e-9 && std::abs(x[0] - 0.02) < 0.005 + 1e-9 && std::abs(x[1] - 0.02) < 0.005 + 1e-9;
+          return x[2] > 0.02 - 1e-9 && std::abs(x[0] - 0.02) < 0.005 + 1e-9 &&
+                 std::abs(x[1] - 0.02) < 0.005 + 1e-9;
         };
         indentation.add(smoothed, reference.nu, cells,
                         solve(mesh, smoothed, reference.nu, [](const Vec3& x) { return x[2] == 0; },

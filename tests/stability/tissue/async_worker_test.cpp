@@ -51,8 +51,11 @@ FactorWorker::Hook slow(unsigned seed) {
   };
 }
 
-TEST(Worker, FixedLagRepeatsBitByBitHoweverSlowTheWorker) {
+class FixedLag : public ::testing::TestWithParam<Real> {};
+
+TEST_P(FixedLag, RepeatsBitByBitHoweverSlowTheWorker) {
   AsyncOptions o = eager();
+  o.tolerance = GetParam();
   o.lag = 3;
   AsyncSolver first(o);
   const auto x = run(first, 40);
@@ -66,6 +69,10 @@ TEST(Worker, FixedLagRepeatsBitByBitHoweverSlowTheWorker) {
     EXPECT_EQ(again.adoptions(), first.adoptions());
   }
 }
+
+// 1e-4 preconditions in single precision, 1e-8 in double.
+INSTANTIATE_TEST_SUITE_P(Tolerances, FixedLag, ::testing::Values(1e-4, 1e-8),
+                         [](const auto& info) { return info.index == 0 ? "coarse" : "fine"; });
 
 TEST(Worker, SeveralBodiesDoNotDisturbEachOther) {
   AsyncOptions o = eager();

@@ -55,7 +55,8 @@ VecX noise(Index n, Real size, unsigned seed) {
 
 TEST(CorotationalT4, ForceIsMinusTheGradientOfTheEnergy) {
   Block block;
-  const VecX x = block.rest + noise(block.rest.size(), 0.1, 1);  // strains of 40 %, some elements sheared hard
+  const VecX x =
+      block.rest + noise(block.rest.size(), 0.1, 1);  // strains of 40 %, some elements sheared hard
   const VecX f = block.force(x);
   const Real h = 1e-5;
   for (Index i = 0; i < x.size(); i += 7) {
@@ -68,8 +69,8 @@ TEST(CorotationalT4, ForceIsMinusTheGradientOfTheEnergy) {
   }
 }
 
-// K holds R while differentiating. At rest, however turned, that is the exact derivative of the force;
-// away from it the part left out is of the order of the strain.
+// K holds R while differentiating. At rest, however turned, that is the exact derivative of the
+// force; away from it the part left out is of the order of the strain.
 TEST(CorotationalT4, StiffnessIsTheDerivativeOfTheForceAtRestHoweverTurned) {
   Block block;
   const Mat3 R = Quat(0.3, -0.7, 0.2, 0.6).normalized().toRotationMatrix();
@@ -94,8 +95,8 @@ TEST(CorotationalT4, WhatTheStiffnessLeavesOutShrinksWithTheStrain) {
     return (K * d + slope).norm() / (K * d).norm();
   };
   const Real at_1 = missing(0.01), at_2 = missing(0.02);
-  EXPECT_LT(at_1, 0.05);                // of the order of a strain of 0.04
-  EXPECT_NEAR(at_2 / at_1, 2, 0.1);     // first order
+  EXPECT_LT(at_1, 0.05);             // of the order of a strain of 0.04
+  EXPECT_NEAR(at_2 / at_1, 2, 0.1);  // first order
 }
 
 TEST(CorotationalT4, StiffnessIsSymmetricPositiveAndBlindToTranslation) {

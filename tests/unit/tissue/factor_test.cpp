@@ -39,6 +39,22 @@ TEST_P(FactorOf, SolvesManyColumnsLikeADenseMatrix) {
   EXPECT_LT((x - expected).norm(), solve_tolerance * expected.norm());
 }
 
+TEST_P(FactorOf, RoughSolvesAreGoodToSinglePrecision) {
+  const auto f = factor();
+  f->keep_rough();
+  ASSERT_TRUE(f->factorise(A));
+  MatX exact = 1e-50 * testing::rough_vector(grid.fixed), rough = exact;  // below the range of float
+  exact.col(0).segment<3>(3).setConstant(7e-51);
+  rough = exact;
+  f->solve(exact);
+  f->solve_roughly(rough);
+  // 6e-8 times a condition number of some 1e3, had the errors all added up.
+  EXPECT_LT((rough - exact).norm(), 6e-5 * exact.norm());
+  MatX zero = MatX::Zero(3 * A.nodes(), 1);
+  f->solve_roughly(zero);
+  EXPECT_EQ(zero.norm(), 0);
+}
+
 TEST_P(FactorOf, FixedNodesAnswerZeroToAnyForce) {
   const auto f = factor();
   ASSERT_TRUE(f->factorise(A));

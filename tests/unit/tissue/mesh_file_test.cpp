@@ -1,4 +1,5 @@
-// The readers: the same mesh out of every format, written by gmsh and VTK; and the faults they find.
+// The readers: the same mesh out of every format, written by gmsh and VTK; and the faults they
+// find.
 #include "mesh_file.h"
 
 #include <gtest/gtest.h>
@@ -27,16 +28,19 @@ TEST_P(MeshFormats, GivesTheMeshOfTheAsciiFile) {
   ASSERT_TRUE(found.ok()) << found.problem->line << ": " << found.problem->message;
   ASSERT_EQ(found.mesh.points.size(), expected.mesh.points.size());
   for (std::size_t i = 0; i < found.mesh.points.size(); ++i)
-    EXPECT_LT((found.mesh.points[i] - expected.mesh.points[i]).norm(), 1e-11);  // VTK writes 12 digits of text
+    EXPECT_LT((found.mesh.points[i] - expected.mesh.points[i]).norm(),
+              1e-11);  // VTK writes 12 digits of text
   EXPECT_EQ(found.mesh.tets, expected.mesh.tets);
   EXPECT_EQ(found.mesh.region, expected.mesh.region);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MeshFormats,
-                         ::testing::Values("msh22_binary.msh", "msh41_ascii.msh", "msh41_binary.msh", "gmsh_ascii.vtk",
-                                           "gmsh_binary.vtk", "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk",
-                                           "vtk51_binary.vtk", "ascii.vtu", "base64.vtu", "base64_uint64_big.vtu",
-                                           "appended_raw.vtu", "appended_base64.vtu"),
+                         ::testing::Values("msh22_binary.msh", "msh41_ascii.msh",
+                                           "msh41_binary.msh", "gmsh_ascii.vtk", "gmsh_binary.vtk",
+                                           "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk",
+                                           "vtk51_binary.vtk", "ascii.vtu", "base64.vtu",
+                                           "base64_uint64_big.vtu", "appended_raw.vtu",
+                                           "appended_base64.vtu"),
                          [](const auto& info) {
                            std::string name = info.param;
                            for (char& c : name)
@@ -56,25 +60,29 @@ TEST(MeshFile, ReadsTheTwoBoxes) {
   std::map<int, Real> volume;
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
     const Tet& t = mesh.tets[e];
-    volume[mesh.region[e]] += six_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]) / 6;
+    volume[mesh.region[e]] +=
+        six_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]) / 6;
   }
-  EXPECT_NEAR(volume[7], 2, 1e-12);   // 2 x 1 x 1 each
+  EXPECT_NEAR(volume[7], 2, 1e-12);  // 2 x 1 x 1 each
   EXPECT_NEAR(volume[12], 2, 1e-12);
   Real area = 0;
   Vec3 closed = Vec3::Zero();
   for (const BoundaryFace& f : checked.boundary) {
-    const Vec3 &a = mesh.points[f.nodes[0]], &b = mesh.points[f.nodes[1]], &c = mesh.points[f.nodes[2]];
+    const Vec3 &a = mesh.points[f.nodes[0]], &b = mesh.points[f.nodes[1]],
+               &c = mesh.points[f.nodes[2]];
     const Vec3 n = 0.5 * (b - a).cross(c - a);
     area += n.norm();
     closed += n;
-    EXPECT_GT(n.dot((a + b + c) / 3 - Vec3(1, 0.5, 1)), 0);  // a convex body: outward is away from its centre
+    EXPECT_GT(n.dot((a + b + c) / 3 - Vec3(1, 0.5, 1)),
+              0);  // a convex body: outward is away from its centre
   }
   EXPECT_NEAR(area, 2 * (2 * 1) + 2 * (2 * 2) + 2 * (1 * 2), 1e-12);
   EXPECT_LT(closed.norm(), 1e-12);
 }
 
 TEST(MeshFile, RefusesWhatItCannotRead) {
-  EXPECT_NE(read_mesh(folder / "compressed.vtu").problem->message.find("without compression"), std::string::npos);
+  EXPECT_NE(read_mesh(folder / "compressed.vtu").problem->message.find("without compression"),
+            std::string::npos);
   EXPECT_EQ(read_mesh(folder / "nowhere.msh").problem->message, "no such file");
   EXPECT_EQ(read_mesh(folder).problem->message, "not a regular file");
 }
@@ -101,7 +109,8 @@ TEST(MeshFile, SaysWhereAMalformedFileIsWrong) {
       message = check_mesh(reading.mesh, false).error;
     }
     EXPECT_NE(message, "") << name;
-    EXPECT_NE(message.find(words), std::string::npos) << name << ": '" << message << "', expected '" << words << "'";
+    EXPECT_NE(message.find(words), std::string::npos)
+        << name << ": '" << message << "', expected '" << words << "'";
     EXPECT_EQ(at, std::stoi(line)) << name << ": " << message;
     ++cases;
   }
@@ -115,12 +124,14 @@ TEST(MeshFile, SaysWhereAMalformedFileIsWrong) {
 // Every prefix of a good file, and the file with any byte changed, is read to the end or refused:
 // under the sanitizers this walks through every bound check.
 TEST(MeshFile, SurvivesTruncationAndNoise) {
-  for (const char* name : {"msh22_ascii.msh", "msh22_binary.msh", "msh41_ascii.msh", "msh41_binary.msh", "vtk42_ascii.vtk",
-                           "vtk42_binary.vtk", "vtk51_ascii.vtk", "vtk51_binary.vtk", "ascii.vtu", "base64.vtu",
-                           "appended_raw.vtu"}) {
+  for (const char* name :
+       {"msh22_ascii.msh", "msh22_binary.msh", "msh41_ascii.msh", "msh41_binary.msh",
+        "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk", "vtk51_binary.vtk", "ascii.vtu",
+        "base64.vtu", "appended_raw.vtu"}) {
     const std::string good = bytes_of(folder / name);
     std::uint32_t random = 1;
-    for (std::size_t n = 0; n < good.size(); n += 1 + n / 40) read_mesh_text(std::string_view(good).substr(0, n));
+    for (std::size_t n = 0; n < good.size(); n += 1 + n / 40)
+      read_mesh_text(std::string_view(good).substr(0, n));
     for (int i = 0; i < 300; ++i) {
       std::string noisy = good;
       for (int k = 0; k < 3; ++k) {

@@ -84,6 +84,31 @@ TEST_F(Conjugate, AGoodStartSavesIterations) {
   EXPECT_LE(again.residual, 1.1e-8);
 }
 
+TEST_F(Conjugate, RecentSolutionsSpanTheStart) {
+  deform(testing::bend(0.06, 1, 0.0075));
+  const VecX b1 = rough_vector(grid.fixed, 1), b2 = rough_vector(grid.fixed, 2);
+  RecentSolutions recent;
+  MatX x, start;
+  EXPECT_FALSE(recent.start(A, grid.fixed, b1, start));
+  for (const VecX* b : {&b1, &b2}) {
+    pcg.solve(A, grid.fixed, warped, *b, x, 1e-10, 100);
+    recent.add(A, grid.fixed, x.col(0));
+  }
+  const VecX b = 0.3 * b1 - 2 * b2;
+  ASSERT_TRUE(recent.start(A, grid.fixed, b, start));
+  // What was solved before is known to 1e-10; the shift of the small system costs as much again.
+  const PcgReport known = pcg.solve(A, grid.fixed, warped, b, start, 1e-8, 100, true);
+  EXPECT_EQ(known.iterations, 0);
+  // With another matrix the combination is chosen anew, and is never worse than starting from zero.
+  testing::assemble(grid, grid.rest, {}, 0.02, A, rotations);
+  recent.matrix_changed();
+  ASSERT_TRUE(recent.start(A, grid.fixed, b, start));
+  MatX exact = b;
+  factor->solve(exact);
+  const MatX D = testing::dense(A, grid.fixed), error = start - exact;
+  EXPECT_LT((error.transpose() * D * error)(0), (exact.transpose() * D * exact)(0));
+}
+
 TEST_F(Conjugate, IgnoresWhatFixedNodesAreAsked) {
   deform(testing::bend(0.06, 1, 0.0075));
   VecX b = rough_vector(grid.fixed);

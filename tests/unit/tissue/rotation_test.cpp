@@ -16,10 +16,12 @@ Mat3 random_matrix(std::mt19937& random) {
 }
 Mat3 random_rotation(std::mt19937& random) {
   std::normal_distribution<Real> normal;
-  return Quat(normal(random), normal(random), normal(random), normal(random)).normalized().toRotationMatrix();
+  return Quat(normal(random), normal(random), normal(random), normal(random))
+      .normalized()
+      .toRotationMatrix();
 }
-/// Rotation test that shares nothing with the code: R is a rotation, R^T F is symmetric, and its two
-/// smallest eigenvalues do not sum to less than zero (so that R maximises tr R^T F).
+/// Rotation test that shares nothing with the code: R is a rotation, R^T F is symmetric, and its
+/// two smallest eigenvalues do not sum to less than zero (so that R maximises tr R^T F).
 void expect_nearest(const Mat3& F, const Mat3& R, Real tolerance) {
   EXPECT_LT((R.transpose() * R - Mat3::Identity()).norm(), tolerance);
   EXPECT_GT(R.determinant(), 0);
@@ -77,8 +79,9 @@ TEST(Rotation, LanesAgreeWithOneAtATime) {
 
 TEST(Rotation, DegenerateMatricesGiveSomeRotation) {
   const Vec3 d(1, 2, 3), e(0, 1, -1);
-  for (const Mat3& F : {Mat3(Mat3::Zero()), Mat3(d * e.transpose()), Mat3(-Mat3::Identity()), Mat3(Vec3(1, 1, 0).asDiagonal()),
-                        Mat3(Vec3(1, 0.5, -0.5).asDiagonal()), Mat3(1e-30 * Mat3::Identity()), Mat3(1e30 * Mat3::Identity()),
+  for (const Mat3& F : {Mat3(Mat3::Zero()), Mat3(d * e.transpose()), Mat3(-Mat3::Identity()),
+                        Mat3(Vec3(1, 1, 0).asDiagonal()), Mat3(Vec3(1, 0.5, -0.5).asDiagonal()),
+                        Mat3(1e-30 * Mat3::Identity()), Mat3(1e30 * Mat3::Identity()),
                         Mat3(Vec3(1, 1e-9, -1e-9).asDiagonal())}) {
     const Mat3 R = nearest_rotation(F);
     EXPECT_LT((R.transpose() * R - Mat3::Identity()).norm(), 1e-10) << F;
@@ -89,7 +92,8 @@ TEST(Rotation, DegenerateMatricesGiveSomeRotation) {
   EXPECT_EQ(nearest_rotation(bad), Mat3(Mat3::Identity()));
 }
 
-// A mirrored tet: naive polar would give a reflection; ours stays a rotation and the strain shows it.
+// A mirrored tet: naive polar would give a reflection; ours stays a rotation and the strain shows
+// it.
 TEST(Rotation, MirroredMatrixKeepsTheSmallestStretchNegative) {
   const Mat3 F = Vec3(1.0, 0.9, -0.3).asDiagonal();
   EXPECT_LT((nearest_rotation(F) - Mat3::Identity()).norm(), 1e-12);

@@ -27,7 +27,9 @@ struct Solid {
   std::unique_ptr<SolidQueries> queries;
 };
 
-MeshData cube() { return kuhn_block({4, 4, 4}, Vec3(1, 1, 1)); }
+MeshData cube() {
+  return kuhn_block({4, 4, 4}, Vec3(1, 1, 1));
+}
 /// The cube without the octant x, y, z > 1/2: it has concave edges and a concave corner.
 MeshData notched() {
   MeshData mesh = cube();
@@ -68,7 +70,8 @@ TEST(SolidQueries, LocatesPointsAndPutsThemBack) {
       EXPECT_LT((s.queries->position(*found) - p).norm(), 1e-14);
     }
   }
-  for (const Vec3& corner : s.mesh.points) EXPECT_TRUE(s.queries->locate(corner));  // on faces, edges, corners
+  for (const Vec3& corner : s.mesh.points)
+    EXPECT_TRUE(s.queries->locate(corner));  // on faces, edges, corners
 }
 
 TEST(SolidQueries, SignedDistanceToACube) {
@@ -76,7 +79,7 @@ TEST(SolidQueries, SignedDistanceToACube) {
   Uniform uniform;
   for (int i = 0; i < 3000; ++i) {
     Vec3 p = uniform(-0.5, 1.5);
-    if (i % 3 == 1) p[i % 2] = 1 + 1e-9;                 // just off an edge or face
+    if (i % 3 == 1) p[i % 2] = 1 + 1e-9;  // just off an edge or face
     if (i % 3 == 2) p = (p.array() > 0.5).select(Vec3::Constant(1.25), p);  // off corners and edges
     const auto found = s.queries->closest_surface(p, 3);
     ASSERT_TRUE(found);
@@ -87,7 +90,8 @@ TEST(SolidQueries, SignedDistanceToACube) {
   }
   // Over a face the normal is the face's, also above an edge or node of the triangulation.
   for (const Real x : {0.25, 0.3, 0.5})
-    EXPECT_LT((s.queries->closest_surface(Vec3(x, 0.25, 1.1), 1)->normal - Vec3::UnitZ()).norm(), 1e-14);
+    EXPECT_LT((s.queries->closest_surface(Vec3(x, 0.25, 1.1), 1)->normal - Vec3::UnitZ()).norm(),
+              1e-14);
   EXPECT_FALSE(s.queries->closest_surface(Vec3(0.5, 0.5, 2), 0.9));
 }
 
@@ -137,7 +141,8 @@ TEST(SolidQueries, NoSegmentSlipsThroughAnEdgeOrNode) {
   Uniform uniform;
   for (Index i = 0; i < s.x.size(); i += 3) {
     const Vec3 X = s.x.segment<3>(i);
-    s.x.segment<3>(i) = Vec3(X[0] + 0.1 * std::sin(3 * X[2]), X[1] + 0.05 * X[0] * X[2], X[2] + 0.07 * X[1] * X[1]);
+    s.x.segment<3>(i) =
+        Vec3(X[0] + 0.1 * std::sin(3 * X[2]), X[1] + 0.05 * X[0] * X[2], X[2] + 0.07 * X[1] * X[1]);
   }
   s.queries->move(s.x);
   const Vec3 inside(0.6, 0.5, 0.5);

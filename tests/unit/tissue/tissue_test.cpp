@@ -16,7 +16,8 @@ namespace {
 using test::all_messages;
 using test::TissueScene;
 
-const std::string mesh = "<TetMesh file='tests/unit/tissue/meshes/msh22_ascii.msh' unit='cm'/>";  // 2 x 1 x 2 cm
+const std::string mesh =
+    "<TetMesh file='tests/unit/tissue/meshes/msh22_ascii.msh' unit='cm'/>";  // 2 x 1 x 2 cm
 const std::string top = "<Attach box='0 0 2  2 1 2' name='top'/>";
 
 TEST(Tissue, FallsFreelyAsImplicitEulerDoes) {
@@ -34,7 +35,9 @@ TEST(Tissue, FallsFreelyAsImplicitEulerDoes) {
 }
 
 TEST(Tissue, AttachmentCarriesTheWeightAndMomentumBalancesInEveryStep) {
-  TissueScene s(mesh + "<Tissue young='5 kPa' poisson='0.4' damping_stiffness='5 ms'/><Attach box='0 0 2  2 1 2 cm'/>");
+  TissueScene s(mesh +
+                "<Tissue young='5 kPa' poisson='0.4' damping_stiffness='5 ms'/><Attach box='0 0 2  "
+                "2 1 2 cm'/>");
   const Real h = 0.01;
   Vec3 before = s.tissue().momentum();
   const Vec3 weight(0, 0, -0.004 * 9.81);
@@ -50,7 +53,8 @@ TEST(Tissue, AttachmentCarriesTheWeightAndMomentumBalancesInEveryStep) {
   EXPECT_LT((std::get<Vec3>(s.output("/tissue", "reaction")) + weight).norm(), 1e-9);
   EXPECT_LT(std::get<Real>(s.output("/tissue", "lowest")), -1e-5);
   EXPECT_EQ(std::get<Real>(s.output("/tissue", "inverted")), 0);
-  EXPECT_EQ(std::get<Vec3>(s.output("/tissue", "reaction")), std::get<Vec3>(s.output("/attach", "reaction")));
+  EXPECT_EQ(std::get<Vec3>(s.output("/tissue", "reaction")),
+            std::get<Vec3>(s.output("/attach", "reaction")));
 }
 
 TEST(Tissue, HeldNodesDoNotMoveAtAll) {
@@ -63,21 +67,28 @@ TEST(Tissue, HeldNodesDoNotMoveAtAll) {
 }
 
 TEST(Tissue, LayersHaveTheirOwnMaterial) {
-  TissueScene s(mesh + "<Tissue density='1000'/><Layer name='dermis' region='dermis' young='100 kPa' density='1200'/>" +
+  TissueScene s(mesh +
+                "<Tissue density='1000'/><Layer name='dermis' region='dermis' young='100 kPa' "
+                "density='1200'/>" +
                 "<Layer name='seven' region='7' young='2 kPa' density='900'/>");
   EXPECT_NEAR(s.tissue().mass(), 2e-6 * (1200 + 900), 1e-15);
   EmbeddedPoint p = *s.tissue().locate(Vec3(0.01, 0.005, 0.015), Configuration::rest);
   EXPECT_EQ(s.tissue().region(p), 12);
 }
 
-// Uniform stretch of a two-layer column by its own ends: with free sides each layer stretches by F / (E A).
+// Uniform stretch of a two-layer column by its own ends: with free sides each layer stretches by F
+// / (E A).
 TEST(Tissue, StressFieldTellsTheLayersApart) {
-  TissueScene s(mesh + "<Tissue poisson='0' density='1000'/><Layer name='dermis' region='dermis' young='50 kPa' poisson='0'/>" +
-                "<Layer name='fat' region='fat' young='5 kPa' poisson='0'/><Attach box='0 0 2  2 1 2 cm'/>");
+  TissueScene s(
+      mesh +
+      "<Tissue poisson='0' density='1000'/><Layer name='dermis' region='dermis' young='50 kPa' "
+      "poisson='0'/>" +
+      "<Layer name='fat' region='fat' young='5 kPa' poisson='0'/><Attach box='0 0 2  2 1 2 cm'/>");
   for (int i = 0; i < 400; ++i) s.step();
-  // Hanging from the top: 1 cm of stiff layer, then 1 cm of soft one. With nu = 0 nothing moves sideways, and the
-  // elongation is rho g L^2 (1/2 + 1) / E_stiff + rho g L^2 / 2 E_soft; linear tets of one layer each take the mean
-  // strain exactly when the load is linear, so only lumping of the weight (h^2) remains: 10 % on this coarse mesh.
+  // Hanging from the top: 1 cm of stiff layer, then 1 cm of soft one. With nu = 0 nothing moves
+  // sideways, and the elongation is rho g L^2 (1/2 + 1) / E_stiff + rho g L^2 / 2 E_soft; linear
+  // tets of one layer each take the mean strain exactly when the load is linear, so only lumping of
+  // the weight (h^2) remains: 10 % on this coarse mesh.
   const Real expected = 1000 * 9.81 * 1e-4 * (1.5 / 50e3 + 0.5 / 5e3);
   EXPECT_NEAR(-std::get<Real>(s.output("/tissue", "lowest")) / expected, 1, 0.1);
 }
@@ -92,7 +103,8 @@ TEST(Tissue, JacobianIsTheDerivativeOfThePosition) {
   for (int k = 0; k < J.nodes; ++k)
     sum += J.coefficients.block<3, 3>(0, 3 * k) * s.tissue().mesh->data().points[J.node[k]];
   EXPECT_LT((sum - Vec3(0.01, 0.005, 0.015)).norm(), 1e-16);
-  const auto surface = s.tissue().closest_surface(Vec3(0.011, 0.004, 0.03), 0.05, Configuration::rest);
+  const auto surface =
+      s.tissue().closest_surface(Vec3(0.011, 0.004, 0.03), 0.05, Configuration::rest);
   s.tissue().jacobian(surface->at, J);
   EXPECT_LE(J.nodes, 3);
   EXPECT_NEAR(surface->distance, 0.01, 1e-15);
@@ -107,13 +119,15 @@ TEST(Tissue, ForceThroughCorrectIsTheComplianceTimesForce) {
   const EmbeddedPoint p = *s.tissue().locate(Vec3(0.01, 0.005, 0.001), Configuration::current);
   PointJacobian J;
   s.tissue().jacobian(p, J);
-  for (int k = 0; k < 4; ++k) force.segment<3>(3 * J.node[k]) += J.coefficients.block<3, 3>(0, 3 * k) * Vec3(0.01, 0, 0.02);
+  for (int k = 0; k < 4; ++k)
+    force.segment<3>(3 * J.node[k]) += J.coefficients.block<3, 3>(0, 3 * k) * Vec3(0.01, 0, 0.02);
   MatX column = force;
   s.tissue().solve(column);
   const Vec3 before = s.tissue().position(p, Configuration::free);
   s.tissue().correct(c, force);
   Vec3 expected = before;
-  for (int k = 0; k < 4; ++k) expected += c.dt * c.dt * p.weights[k] * column.block<3, 1>(3 * J.node[k], 0);
+  for (int k = 0; k < 4; ++k)
+    expected += c.dt * c.dt * p.weights[k] * column.block<3, 1>(3 * J.node[k], 0);
   EXPECT_LT((s.tissue().position(p, Configuration::current) - expected).norm(), 1e-15);
   EXPECT_GT((expected - before).norm(), 1e-7);
 }
@@ -128,25 +142,30 @@ class TissueFaults : public ::testing::TestWithParam<Fault> {};
 TEST_P(TissueFaults, AreSaidInASentence) {
   TissueScene s(GetParam().scene);
   EXPECT_EQ(s.diagnostics.exit_code(), GetParam().exit_code);
-  EXPECT_NE(all_messages(s.diagnostics).find(GetParam().words), std::string::npos) << all_messages(s.diagnostics);
+  EXPECT_NE(all_messages(s.diagnostics).find(GetParam().words), std::string::npos)
+      << all_messages(s.diagnostics);
 }
 
 #define MESH "<TetMesh file='tests/unit/tissue/meshes/msh22_ascii.msh' unit='cm'/>"
 INSTANTIATE_TEST_SUITE_P(
     All, TissueFaults,
     ::testing::Values(
-        Fault{"<TetMesh file='nowhere.msh'/><Tissue/><Attach nodes='0'/><Layer region='1'/>", "no such file", 3},
-        Fault{"<TetMesh file='tests/scenes/malformed_meshes/msh_nan.msh'/><Tissue/>", "msh_nan.msh:8: error", 3},
-        Fault{"<TetMesh file='tests/scenes/malformed_meshes/msh_flat_tet.msh'/><Tissue/>", "has no volume", 3},
-        Fault{"<TetMesh unit='cm'/>", "file", 2},
-        Fault{"<Tissue/>", "TetMesh", 2},
+        Fault{"<TetMesh file='nowhere.msh'/><Tissue/><Attach nodes='0'/><Layer region='1'/>",
+              "no such file", 3},
+        Fault{"<TetMesh file='tests/scenes/malformed_meshes/msh_nan.msh'/><Tissue/>",
+              "msh_nan.msh:8: error", 3},
+        Fault{"<TetMesh file='tests/scenes/malformed_meshes/msh_flat_tet.msh'/><Tissue/>",
+              "has no volume", 3},
+        Fault{"<TetMesh unit='cm'/>", "file", 2}, Fault{"<Tissue/>", "TetMesh", 2},
         Fault{MESH "<Tissue poisson='0.5'/>", "poisson", 2},
         Fault{MESH "<Tissue young='-1 Pa'/>", "young", 2},
         Fault{MESH "<Tissue density='0'/>", "density", 2},
         Fault{MESH "<Tissue/><Layer region='bone'/>", "it has 7 (fat), 12 (dermis)", 2},
-        Fault{MESH "<Tissue/><Layer name='a' region='fat'/><Layer name='b' region='7'/>", "a second layer for region '7'", 2},
+        Fault{MESH "<Tissue/><Layer name='a' region='fat'/><Layer name='b' region='7'/>",
+              "a second layer for region '7'", 2},
         Fault{MESH "<Tissue/><Attach/>", "one of 'box' and 'nodes' is needed", 2},
-        Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 6 cm'/>", "no node of the tissue lies in 'box'", 2},
+        Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 6 cm'/>", "no node of the tissue lies in 'box'",
+              2},
         Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 cm'/>", "5 numbers, expected 6", 2},
         Fault{MESH "<Tissue/><Attach nodes='0 1000'/>", "names node 1000", 2},
         Fault{MESH "<Tissue/><Attach nodes='0.5'/>", "expected whole numbers", 2}));

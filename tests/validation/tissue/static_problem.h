@@ -12,9 +12,11 @@ namespace sutura::test {
 
 class StaticProblem {
  public:
-  StaticProblem(MeshData mesh, const Material& material, std::unique_ptr<ElasticModel> model = nullptr)
+  StaticProblem(MeshData mesh, const Material& material,
+                std::unique_ptr<ElasticModel> model = nullptr)
       : mesh_(std::move(mesh)),
-        model_(model ? std::move(model) : std::make_unique<CorotationalT4>(mesh_.points, mesh_.tets)),
+        model_(model ? std::move(model)
+                     : std::make_unique<CorotationalT4>(mesh_.points, mesh_.tets)),
         A_(nodes(), model_->pairs()),
         x(stacked(mesh_.points)),
         load(VecX::Zero(x.size())),
