@@ -27,7 +27,9 @@ std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& chang
   std::vector<Real> angle(static_cast<std::size_t>(n));
   std::vector<char> split(static_cast<std::size_t>(n), 0);
   const auto length = [&](Index e) { return s[e + 1] - s[e]; };
+  const auto fixed = [&](Index e) { return s[e] < rules.from - 1e-9; };
   for (Index e = 0; e < n; ++e) {
+    if (fixed(e)) continue;
     angle[e] = turning_angle(rod, e);
     const bool bent = angle[e] > rules.angle || length(e) * angle[e] / 8 > rules.sagitta;
     split[e] = (bent && length(e) >= 2 * rules.shortest) || length(e) > rules.longest * (1 + 1e-9);
@@ -37,7 +39,7 @@ std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& chang
   for (bool more = true; more;) {
     more = false;
     for (Index e = 0; e < n; ++e) {
-      if (split[e]) continue;
+      if (split[e] || fixed(e)) continue;
       const Real neighbour = std::min(e > 0 ? after(e - 1) : length(e), e + 1 < n ? after(e + 1) : length(e));
       if (length(e) > 2 * neighbour * (1 + 1e-9)) split[e] = 1, more = true;
     }
@@ -51,7 +53,7 @@ std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& chang
   Index last_merged = -2;  // second beam of the last merged pair
   for (Index e = 0; e < n; ++e) {
     // May node e + 1 go? Its two beams become one; neighbours must stand the longer one.
-    bool merge = e + 1 < n && e != last_merged && !split[e] && !split[e + 1] && !is_forced(s[e + 1]);
+    bool merge = e + 1 < n && !fixed(e) && e != last_merged && !split[e] && !split[e + 1] && !is_forced(s[e + 1]);
     if (merge) {
       const Real L = length(e) + length(e + 1), theta = angle[e] + angle[e + 1];
       const Real left = e > 0 ? (last_merged == e - 1 ? length(e - 1) + length(e - 2) : after(e - 1)) : L;

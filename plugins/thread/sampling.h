@@ -15,6 +15,7 @@ struct SamplingRules {
   Real sagitta = 1;     ///< m
   Real shortest = 0;    ///< m
   Real longest = 1;     ///< m
+  Real from = 0;        ///< beams before this abscissa are left alone (needle), m
   std::vector<Real> forced = {};  ///< abscissae that stay nodes (holds, swage), m
 };
 

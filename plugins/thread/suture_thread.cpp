@@ -54,16 +54,20 @@ std::vector<Real> SutureThread::node_abscissae() const {
   return nodes;
 }
 
+Section SutureThread::section(Real s) const {
+  if (s < needle_arc_length)
+    return {.radius = needle_diameter / 2,
+            .young = needle_young,
+            .poisson = needle_poisson,
+            .density = needle_density};
+  return {.radius = thread_diameter / 2,
+          .young = thread_young,
+          .poisson = thread_poisson,
+          .density = thread_density,
+          .bending_factor = bending_factor};
+}
+
 void SutureThread::build() {
-  const Section needle{.radius = needle_diameter / 2,
-                       .young = needle_young,
-                       .poisson = needle_poisson,
-                       .density = needle_density};
-  const Section thread{.radius = thread_diameter / 2,
-                       .young = thread_young,
-                       .poisson = thread_poisson,
-                       .density = thread_density,
-                       .bending_factor = bending_factor};
   RodLayout layout;
   layout.abscissa = node_abscissae();
   for (const Real s : layout.abscissa) {
@@ -71,7 +75,7 @@ void SutureThread::build() {
     layout.start.push_back(shape_.start(s));
   }
   for (std::size_t e = 0; e + 1 < layout.abscissa.size(); ++e)
-    layout.sections.push_back(layout.abscissa[e + 1] <= needle_arc_length + 1e-12 ? needle : thread);
+    layout.sections.push_back(section((layout.abscissa[e] + layout.abscissa[e + 1]) / 2));
   rod_.damping_mass = damping_mass;
   rod_.damping_stiffness = damping_stiffness;
   rod_.newton_iterations = newton_iterations;
@@ -82,6 +86,11 @@ void SutureThread::build() {
     const CurvePlace at = place(rod_, s);
     rod_.springs().emplace_back().node = at.beam + (at.u > 0.5 ? 1 : 0);
   }
+  rules_ = {.angle = sampling_angle,
+            .shortest = shortest_beam,
+            .longest = thread_length / static_cast<Real>(thread_beams),
+            .from = needle_arc_length,
+            .forced = holds_};
   touched_.reserve(static_cast<std::size_t>(rod_.nodes()));
   touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
@@ -92,7 +101,17 @@ void SutureThread::free_motion(const StepContext& context) {
 }
 
 void SutureThread::correct(const StepContext& context, const VecX& force) {
-  if (factored_) rod_.correct(context.dt, force);
+  if (!factored_) return;
+  rod_.correct(context.dt, force);
+  if (sampling_angle > 0) resample();
+}
+
+void SutureThread::resample() {
+  bool changed = false;
+  const std::vector<Real> nodes = sample(rod_, rules_, changed);
+  if (!changed || !rod_.finite()) return;
+  rod_.resample(nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
+  touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
 /// After free motion: along the velocity, not where the nodes are. Without its constraints a taut thread may turn by a

@@ -3,6 +3,7 @@
 
 #include "curve.h"
 #include "rod.h"
+#include "sampling.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
 #include "suture_shape.h"
@@ -20,6 +21,7 @@ class SutureThread : public Component, public CurveBody {
   Real thread_length = 0.3, thread_diameter = 0.175e-3;
   Real thread_young = 1.5e9, thread_poisson = 0.4, thread_density = 910, bending_factor = 1;
   Real thread_bend_radius = 5e-3, thread_rest_curvature = 0;
+  Real sampling_angle = 0, shortest_beam = 0.5e-3;
   Index needle_beams = 12, thread_beams = 100, newton_iterations = 1;
   Vec3 tip = Vec3::Zero(), tip_direction = Vec3::UnitX(), plane_normal = Vec3::UnitZ();
   Vec3 thread_direction = Vec3::Zero();
@@ -68,9 +70,12 @@ class SutureThread : public Component, public CurveBody {
  private:
   void build();
   std::vector<Real> node_abscissae() const;
+  Section section(Real s) const;
+  void resample();
 
   Rod rod_;
   SutureShape shape_;
+  SamplingRules rules_;
   std::vector<Real> holds_;  ///< abscissae
   bool factored_ = true;
   Real dt_ = 0;

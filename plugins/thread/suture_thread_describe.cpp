@@ -33,6 +33,12 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Memory of the spool: curvature of the thread at rest, in the plane of the needle.");
   d.attribute("thread_beams", &T::thread_beams, between(1, 100000), "Beams of the thread.");
 
+  d.attribute("sampling_angle", &T::sampling_angle, "rad", between(0, 1),
+              "Adaptive sampling: a beam of the thread that turns by more is split, down to shortest_beam; two "
+              "that together turn by less than half of it are merged, up to the length that thread_beams "
+              "gives. 0: the beams stay as they are.");
+  d.attribute("shortest_beam", &T::shortest_beam, "m", above(0), "Shortest beam of adaptive sampling.");
+
   d.attribute("tip", &T::tip, "m", any(), "Where the needle tip is at the start.");
   d.attribute("tip_direction", &T::tip_direction, "1", any(),
               "Where the tip points: the direction in which it advances.");

@@ -170,6 +170,32 @@ TEST(SutureThread, OperatorComplianceIsTheAssembledOne) {
   }
 }
 
+TEST(SutureThread, SamplesDenselyWhereTheHeldThreadBends) {
+  Suture s;
+  s.thread.needle_arc_length = 0;
+  s.thread.thread_length = 0.2;
+  s.thread.thread_beams = 10;
+  s.thread.sampling_angle = 0.2;
+  s.thread.clamp = SutureThread::Clamp::start;
+  s.initialise();
+  const Index hold = s.thread.add_hold(0.1);
+  Pose target = s.thread.frame(0.1, Configuration::rest);
+  target.position += Vec3(0.08, 0, 0);  // the half between clamp and hold is bent to a narrow loop
+  for (int i = 1; i <= 100; ++i) {
+    Pose p = target;
+    p.position -= (1 - i / 100.) * Vec3(0.08, 0, 0) - Vec3(0, 0, 1e-3);
+    s.thread.set_hold(hold, p, {});
+    s.steps(1, 0.01, Vec3(0, 0, -9.81));
+    ASSERT_TRUE(s.thread.finite()) << i;
+  }
+  s.steps(300, 0.01, Vec3(0, 0, -9.81));
+  EXPECT_GT(s.thread.rod().beams(), 20);
+  const auto& a = s.thread.rod().abscissa();
+  EXPECT_NE(std::find(a.begin(), a.end(), 0.1), a.end());
+  for (Index e = 0; e < s.thread.rod().beams(); ++e)
+    EXPECT_LE(turning_angle(s.thread.rod(), e), 0.2 + 1e-9);
+}
+
 TEST(SutureThread, RefusesADirectionlessNeedle) {
   Suture s;
   s.thread.plane_normal = s.thread.tip_direction;
