@@ -46,9 +46,16 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
               .output_directory = output_directory,
               .dt = s->scene_->dt,
               .gravity = s->scene_->gravity};
+  // A component whose targets failed is left alone: it could only stumble over their remains.
+  std::set<const Component*> failed;
   for (Component* c : order.components()) {
+    const std::vector<Component*>& links = s->scene_->links_of(*c);
+    const std::size_t errors = diagnostics.errors();
     setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
-    c->initialise(setup);
+    const bool stands = std::none_of(links.begin(), links.end(),
+                                     [&](const Component* t) { return failed.contains(t); });
+    if (stands) c->initialise(setup);
+    if (!stands || diagnostics.errors() > errors) failed.insert(c);
   }
   if (!diagnostics.ok()) return nullptr;
 
