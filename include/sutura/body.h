@@ -111,6 +111,8 @@ class Body {
   virtual Real energy() const = 0;
   /// False as soon as any coordinate is not finite.
   virtual bool finite() const = 0;
+  /// What went wrong in the last step, a sentence; empty if nothing did.
+  virtual std::string trouble() const { return {}; }
 
   virtual BodyGeometry geometry() const = 0;
 };

@@ -27,7 +27,10 @@ struct StepReport {
   /// What W said about lambda against what the bodies did, worst row after the last pass (m). Zero if
   /// every body answers exactly.
   Real compliance_error = 0;
+  /// The same after the first pass; larger only if that made a second one necessary.
+  Real first_compliance_error = 0;
   bool finite = true;
+  std::vector<std::string> messages;  ///< what went wrong in the bodies: "path: sentence"
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
 };

@@ -56,9 +56,9 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
     warped_.set(*current_->factor, current_->snapshot->rotations, rotations_, rough());
     report_.factor_age = step_ - current_->snapshot->step;
     report_.stale = report_.factor_age > options_.max_age;
-    if (report_.stale && report_.message.empty())
-      report_.message = "the worker is late: the factor is " +
-                        std::to_string(report_.factor_age) + " steps old";
+    if (report_.stale)
+      report_.complain("the worker is late: the factor is " +
+                       std::to_string(report_.factor_age) + " steps old");
   }
 }
 
@@ -106,7 +106,7 @@ void AsyncSolver::adopt_what_is_due() {
     } else {
       // Wherever it is, the worker may still read the snapshot: it keeps that one for good.
       worker_lost_ = true;
-      report_.message = "the worker did not answer: factorising in the step from now on";
+      report_.complain("the worker did not answer: factorising in the step from now on");
       fresh = std::make_unique<SnapshotFactor>();
       fresh->snapshot = std::make_shared<Snapshot>(*in_flight_);
       fresh->rough = rough();
@@ -120,8 +120,9 @@ void AsyncSolver::adopt_what_is_due() {
 void AsyncSolver::adopt(std::unique_ptr<SnapshotFactor> fresh) {
   if (!fresh->ok) {
     ++report_.failed_factors;
-    report_.message = "the matrix of step " + std::to_string(fresh->snapshot->step) +
-                      " is not positive definite: keeping the older factor";
+    report_.complain("the matrix of step " + std::to_string(fresh->snapshot->step) +
+                     " is not positive definite" +
+                     (current_ ? ": keeping the older factor" : ""));
     spare_ = std::move(fresh);
     return;
   }
@@ -173,7 +174,7 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   last_iterations_ = std::max(last_iterations_, r.iterations);
   const bool older = current_ && current_->snapshot->step != step_;
   if (!r.converged && older && factorise_here()) {
-    report_.message = "the older factor was too poor: the matrix of the step was factorised at once";
+    report_.complain("the older factor was too poor: the matrix of the step was factorised at once");
     r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
                    options_.max_iterations);
     report_.iterations += r.iterations;
@@ -182,8 +183,8 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   report_.residual = std::max(report_.residual, r.residual);
   if (!r.converged) {
     report_.converged = false;
-    report_.message = current_ ? "conjugate gradients did not converge"
-                               : "no factor, and conjugate gradients did not converge without one";
+    report_.complain(current_ ? "conjugate gradients did not converge"
+                              : "no factor, and conjugate gradients did not converge without one");
   }
   columns = x_;
   if (single) {

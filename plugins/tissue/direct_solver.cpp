@@ -38,7 +38,8 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   has_tail_ = false;
   report_.failed_factors = failed + (ok_ ? 0 : 1);
   report_.adopted_at = step;
-  if (!ok_) report_.message = "the matrix is not positive definite: conjugate gradients instead";
+  if (!ok_) 
+    report_.complain("the matrix is not positive definite: conjugate gradients instead");
 }
 
 void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
@@ -64,6 +65,7 @@ void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
     report_.iterations += r.iterations;
     report_.residual = std::max(report_.residual, r.residual);
     report_.converged = report_.converged && r.converged;
+    if (!r.converged) report_.complain("conjugate gradients did not converge");
   }
   columns = x_;
 }

@@ -70,6 +70,7 @@ class Tissue : public Component, public SolidBody {
   Real mass() const override;
   Real energy() const override;
   bool finite() const override;
+  std::string trouble() const override;
   BodyGeometry geometry() const override;
 
   // SolidBody
@@ -111,6 +112,7 @@ class Tissue : public Component, public SolidBody {
   VecX constraint_force_;  ///< of the last step (N)
   VecX rhs_, product_, reaction_;
   Index linearisations_ = 0;  ///< in the last step
+  std::string solver_trouble_;  ///< in all of them but the last, which the solver still knows
   std::unique_ptr<ElasticModel> elastic_;
   std::unique_ptr<NodeMatrix> A_;
   std::unique_ptr<TissueSolver> own_solver_;

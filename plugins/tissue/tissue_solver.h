@@ -21,7 +21,13 @@ struct TissueSolveReport {
   Index failed_factors = 0; ///< factorisations that failed so far
   bool converged = true;
   bool stale = false;       ///< the factor is older than the policy allows: the worker is late
-  std::string message;      ///< empty, or a sentence on what went wrong
+  std::string message;      ///< empty, or what went wrong: clauses, in the order of events
+
+  /// Once per step, however many right-hand sides run into it.
+  void complain(const std::string& clause) {
+    if (message.find(clause) != std::string::npos) return;
+    message += (message.empty() ? "" : "; ") + clause;
+  }
 };
 
 class TissueSolver {

@@ -14,6 +14,25 @@ namespace sutura {
 /// Linearisations of a step whose motion would otherwise gain energy.
 constexpr Index most_linearisations = 5;
 
+std::string Tissue::trouble() const {
+  std::string text;
+  const auto add = [&text](const std::string& clause) {
+    if (clause.empty() || text.find(clause) != std::string::npos) return;
+    text += (text.empty() ? "" : "; ") + clause;
+  };
+  add(solver_trouble_);
+  add(solver_->report().message);
+  if (linearisations_ > iterations)
+    add("a motion too large for the step took " + std::to_string(linearisations_) +
+        " linearisations");
+  if (!finite()) {
+    add("the state is no longer finite");
+  } else if (const Index n = inverted(); n > 0) {
+    add(std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") + " inverted");
+  }
+  return text;
+}
+
 /// What has to wait until every Layer and Attach has spoken.
 void Tissue::start() {
   solver_->analyse(A_->pattern(), fixed_, {});
@@ -86,6 +105,7 @@ void Tissue::free_motion(const StepContext& context) {
   if (!started_) start();
   const Real h = context.dt;
   guess_.setZero(dofs());
+  solver_trouble_.clear();
   linearise(context);
   A_->multiply(v_, product_);  // solved for the change of velocity, which is small
   rhs_ = residual_ - product_;
@@ -101,6 +121,7 @@ void Tissue::free_motion(const StepContext& context) {
     if (!pushed) add_constraint_motion(h);
     pushed = true;
     guess_ = v_free_;
+    if (solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
     linearise(context);
     rhs_ = residual_ + h * constraint_force_;
     solver_->solve(rhs_);

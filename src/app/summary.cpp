@@ -24,6 +24,12 @@ void Summary::add(const StepReport& report) {
   for (std::size_t i = 0; i < seconds_.size(); ++i) seconds_[i] += report.seconds[i];
   if (!report.solve.converged) ++not_converged_;
   events_ += report.solve.events;
+  if (!report.messages.empty()) {
+    if (troubled_++ == 0) {
+      first_trouble_ = report.messages.front();
+      first_troubled_step_ = report.step;
+    }
+  }
   blocks_.add(static_cast<double>(report.blocks), report.step);
   rows_.add(static_cast<double>(report.rows), report.step);
   sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
@@ -60,6 +66,12 @@ std::string Summary::text(double wall_seconds) const {
   row("violation [m]", violation_);
   append(out, "  not converged in %ld of %ld steps; %ld irreversible events\n",
          static_cast<long>(not_converged_), static_cast<long>(steps_), static_cast<long>(events_));
+  if (troubled_ > 0) {
+    append(out, "  trouble in %ld of %ld steps; the first, in step %ld: ",
+           static_cast<long>(troubled_), static_cast<long>(steps_),
+           static_cast<long>(first_troubled_step_));
+    out += first_trouble_ + '\n';  // of any length
+  }
   return out;
 }
 

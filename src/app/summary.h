@@ -34,6 +34,9 @@ class Summary {
   Real time_ = 0;
   Index not_converged_ = 0;
   Index events_ = 0;
+  Index troubled_ = 0;  ///< steps with messages
+  Index first_troubled_step_ = 0;
+  std::string first_trouble_;
   std::array<double, stage_names.size()> seconds_{};
   Track blocks_, rows_, sweeps_, residual_, violation_;
 };

@@ -44,17 +44,20 @@ const StepReport& Simulation::step() {
   // lambda and the state of every block.
   timer.enter(Stage::solve);
   report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
-  report_.compliance_error = 0;
+  report_.compliance_error = report_.first_compliance_error = 0;
   if (problem_.rows() > 0 && has_approximate_body()) check_compliance(context);
 
   // dv += h A^-1 H^T lambda; positions.
   timer.enter(Stage::correct);
   report_.finite = true;
+  report_.messages.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     body_force_[i].setZero(bodies_[i].body->dofs());
     problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
     bodies_[i].body->correct(context, body_force_[i]);
     report_.finite = report_.finite && bodies_[i].body->finite();
+    const std::string trouble = bodies_[i].body->trouble();
+    if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
   }
 
   // Path points, punctures: the only place where topology changes. A state that is no longer finite
@@ -91,6 +94,7 @@ void Simulation::check_compliance(const StepContext& context) {
   const VecX d_free = problem_.d_free;
   VecX error;
   report_.compliance_error = compliance_error(bodies, problem_, d_free, context.dt, error);
+  report_.first_compliance_error = report_.compliance_error;
   if (report_.compliance_error <= tolerance) return;
   problem_.d_free += error;
   const Index events = report_.solve.events;
