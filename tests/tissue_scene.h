@@ -25,13 +25,14 @@ inline std::string all_messages(const Diagnostics& diagnostics) {
 class TissueScene {
  public:
   explicit TissueScene(const std::string& components, const std::string& gravity = "0 0 -9.81",
-                       const std::string& dt = "10 ms") {
+                       const std::string& dt = "10 ms", void (*enrol_more)(Registry&) = nullptr) {
     registry_.begin_plugin("tissue");
     registry_.component<TetMesh>("TetMesh");
     registry_.component<Tissue>("Tissue");
     registry_.component<Layer>("Layer");
     registry_.component<Attach>("Attach");
     enrol_tissue_solvers(registry_);
+    if (enrol_more) enrol_more(registry_);
     registry_.end_plugin();
     enrol_builtin(registry_);
     auto scene = load_scene_text("<sutura version='1' dt='" + dt + "' gravity='" + gravity +
