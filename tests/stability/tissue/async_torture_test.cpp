@@ -1,5 +1,6 @@
-// The cases of torture_test.cpp with the asynchronous solver beside the direct one. Whatever the age of
-// the factor, every solve meets the tolerance asked, and the motion stays with that of the direct solver.
+// The cases of torture_test.cpp with the asynchronous solver beside the direct one. Whatever the
+// age of the factor, every solve meets the tolerance asked, and the motion stays with that of the
+// direct solver.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -23,9 +24,9 @@ struct Case {
 };
 
 struct Comparison {
-  Real apart = 0;     ///< m, largest distance of a node from where the direct solver has it, ever
-  Real travelled = 0; ///< m, largest distance of a node from its start, ever
-  Real residual = 0;  ///< worst of all solves
+  Real apart = 0;      ///< m, largest distance of a node from where the direct solver has it, ever
+  Real travelled = 0;  ///< m, largest distance of a node from its start, ever
+  Real residual = 0;   ///< worst of all solves
   Index iterations = 0, age = 0;  ///< largest
   bool finite = true, converged = true;
 };
@@ -74,16 +75,22 @@ void expect_agreement(const Case& c, Real errors) {
 
 /// A step errs by tolerance |b|, and b is the momentum that changes in it. A held body forgets what
 /// went before: apart by the tolerance.
-void expect_held(const Case& c) { expect_agreement(c, 1); }
+void expect_held(const Case& c) {
+  expect_agreement(c, 1);
+}
 /// A free body forgets nothing: the error of every step stays.
-void expect_free(const Case& c) { expect_agreement(c, c.steps); }
+void expect_free(const Case& c) {
+  expect_agreement(c, c.steps);
+}
 
-MeshData column() { return kuhn_block({4, 4, 8}, Vec3(0.02, 0.02, 0.04)); }
+MeshData column() {
+  return kuhn_block({4, 4, 8}, Vec3(0.02, 0.02, 0.04));
+}
 const std::string hung = "<Attach box='0 0 40  20 20 40 mm'/>";
 
 TEST(AsyncTorture, NearlyIncompressible) {
-  expect_held({"NearlyIncompressible", "<Tissue young='10 kPa' poisson='0.4999'/>" + hung,
-                    column(), 150});
+  expect_held(
+      {"NearlyIncompressible", "<Tissue young='10 kPa' poisson='0.4999'/>" + hung, column(), 150});
 }
 
 TEST(AsyncTorture, RegionsOneAMillionTimesStiffer) {
@@ -94,44 +101,43 @@ TEST(AsyncTorture, RegionsOneAMillionTimesStiffer) {
     mesh.region[e] = z > 0.02 ? 1 : 2;
   }
   expect_held({"StiffnessRatio",
-                    "<Tissue/><Layer name='soft' region='1' young='1 kPa' poisson='0'/>"
-                    "<Layer name='hard' region='2' young='1 GPa' poisson='0'/>" +
-                        hung,
-                    mesh, 150});
+               "<Tissue/><Layer name='soft' region='1' young='1 kPa' poisson='0'/>"
+               "<Layer name='hard' region='2' young='1 GPa' poisson='0'/>" +
+                   hung,
+               mesh, 150});
 }
 
 TEST(AsyncTorture, Slivers) {
   MeshData mesh = column();
   for (Vec3& p : mesh.points)
     if (p[2] > 0.0199) p[2] -= 0.005 * 0.999;  // one layer of cells, a thousandth of its height
-  expect_held({"Slivers",
-                    "<Tissue young='5 kPa' poisson='0.3'/><Attach box='0 0 35 20 20 36 mm'/>",
-                    mesh, 150});
+  expect_held({"Slivers", "<Tissue young='5 kPa' poisson='0.3'/><Attach box='0 0 35 20 20 36 mm'/>",
+               mesh, 150});
 }
 
 TEST(AsyncTorture, OneInvertedElement) {
   expect_free({"Inverted", "<Tissue young='10 kPa' poisson='0.45'/>",
-                    kuhn_block({4, 4, 4}, Vec3::Constant(0.04)), 100, "10 ms", "0 0 0",
-                    [](VecX& x, VecX&) {
-                      x.segment<3>(3 * (2 * 25 + 2 * 5 + 2)) += Vec3(0.017, 0.013, 0.011);
-                    }});
+               kuhn_block({4, 4, 4}, Vec3::Constant(0.04)), 100, "10 ms", "0 0 0",
+               [](VecX& x, VecX&) {
+                 x.segment<3>(3 * (2 * 25 + 2 * 5 + 2)) += Vec3(0.017, 0.013, 0.011);
+               }});
 }
 
 TEST(AsyncTorture, FlungByHalfATurnInOneStep) {
   expect_free({"Flung", "<Tissue young='10 kPa' poisson='0.45'/>",
-                    kuhn_block({4, 4, 4}, Vec3::Constant(0.05)), 50, "10 ms", "0 0 0",
-                    [](VecX& x, VecX& v) {
-                      const Vec3 spin = Vec3(0.3, 1, 0.2).normalized() * M_PI / 0.01;
-                      for (Index i = 0; i < v.size(); i += 3)
-                        v.segment<3>(i) = spin.cross(x.segment<3>(i) - Vec3::Constant(0.025));
-                    }});
+               kuhn_block({4, 4, 4}, Vec3::Constant(0.05)), 50, "10 ms", "0 0 0",
+               [](VecX& x, VecX& v) {
+                 const Vec3 spin = Vec3(0.3, 1, 0.2).normalized() * M_PI / 0.01;
+                 for (Index i = 0; i < v.size(); i += 3)
+                   v.segment<3>(i) = spin.cross(x.segment<3>(i) - Vec3::Constant(0.025));
+               }});
 }
 
 TEST(AsyncTorture, StepsOf50Milliseconds) {
   expect_held({"LargeSteps",
-                    "<Tissue young='30 kPa' poisson='0.4' damping_stiffness='0.1 s'/>"
-                    "<Attach box='0 0 0 0 20 20 mm'/>",
-                    kuhn_block({10, 2, 2}, Vec3(0.1, 0.02, 0.02)), 150, "50 ms"});
+               "<Tissue young='30 kPa' poisson='0.4' damping_stiffness='0.1 s'/>"
+               "<Attach box='0 0 0 0 20 20 mm'/>",
+               kuhn_block({10, 2, 2}, Vec3(0.1, 0.02, 0.02)), 150, "50 ms"});
 }
 
 }  // namespace

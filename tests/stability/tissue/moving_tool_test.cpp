@@ -29,8 +29,7 @@ struct Ball : Component, ConstraintSource {
     id = setup.source_id;
     for (Real x = 1e-3; x < 60e-3; x += 2e-3)
       for (Real y = 1e-3; y < 30e-3; y += 2e-3) {
-        const auto found =
-            pad->closest_surface(Vec3(x, y, pad_top), 1e-3, Configuration::rest);
+        const auto found = pad->closest_surface(Vec3(x, y, pad_top), 1e-3, Configuration::rest);
         if (found) points.push_back(found->at);
       }
   }
@@ -45,8 +44,8 @@ struct Ball : Component, ConstraintSource {
       const Vec3 at = pad->position(points[i], Configuration::current),
                  free = pad->position(points[i], Configuration::free), n = (at - c).normalized();
       if ((at - c).norm() > radius + 1e-3) continue;
-      const BlockId block = builder.add<Unilateral>(
-          make_key(id, i), {}, BlockVector<1>(n.dot(free - c) - radius));
+      const BlockId block =
+          builder.add<Unilateral>(make_key(id, i), {}, BlockVector<1>(n.dot(free - c) - radius));
       pad->jacobian(points[i], J);
       builder.couple(block, *pad, n.transpose(), J, at);
     }
@@ -94,10 +93,9 @@ TEST(MovingTool, OneMorePassLowersTheErrorOfAnOldCompliance) {
   const Slide old = slide("<AsyncPreconditioner lag='8' refactor_iterations='0'/>");
   const Real apart = (old.x - exact.x).cwiseAbs().maxCoeff();
   std::cout << "  age " << old.age << ", second passes " << old.second_passes << ", not lower "
-            << old.not_lower << ", worst " << old.first << " m, then " << old.last
-            << " m, mean " << old.sum_first / old.second_passes << " m, then "
-            << old.sum_last / old.second_passes << " m, apart from the direct solver " << apart
-            << " m\n";
+            << old.not_lower << ", worst " << old.first << " m, then " << old.last << " m, mean "
+            << old.sum_first / old.second_passes << " m, then " << old.sum_last / old.second_passes
+            << " m, apart from the direct solver " << apart << " m\n";
   EXPECT_EQ(exact.first, 0);  // exact compliance is not even checked
   EXPECT_GE(old.age, 8);
   EXPECT_GE(old.second_passes, 10);

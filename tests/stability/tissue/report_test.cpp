@@ -14,12 +14,13 @@ using test::TissueScene;
 
 struct ReportScene {
   explicit ReportScene(const std::string& solver) {
-    const std::string file =
-        std::string(SUTURA_BINARY_DIR) + "/report_" +
-        ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".msh";
+    const std::string file = std::string(SUTURA_BINARY_DIR) + "/report_" +
+                             ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+                             ".msh";
     test::write_msh(test::kuhn_block({6, 2, 2}, Vec3(0.06, 0.02, 0.02)), file);
-    scene = std::make_unique<TissueScene>("<TetMesh file='" + file + "' unit='m'/>" + solver +
-                                          "<Tissue young='10 kPa'/><Attach box='0 0 0 0 20 20 mm'/>");
+    scene =
+        std::make_unique<TissueScene>("<TetMesh file='" + file + "' unit='m'/>" + solver +
+                                      "<Tissue young='10 kPa'/><Attach box='0 0 0 0 20 20 mm'/>");
     EXPECT_TRUE(scene->diagnostics.ok()) << test::all_messages(scene->diagnostics);
   }
   /// Whether the report of this step has a message that starts with the path and holds `words`.
@@ -50,8 +51,8 @@ TEST(Report, AFailedFactorisationOfTheDirectSolver) {
   EXPECT_FALSE(s.step_says("positive definite"));  // of the last step only
 }
 
-// Steps 4 and 5 cannot be factorised at all. A snapshot of one of them is with the worker: its failure
-// shows up when it is due, two steps later, when the matrix itself is sound again.
+// Steps 4 and 5 cannot be factorised at all. A snapshot of one of them is with the worker: its
+// failure shows up when it is due, two steps later, when the matrix itself is sound again.
 TEST(Report, AFailedFactorisationOfTheWorker) {
   ReportScene s("<AsyncPreconditioner lag='2' refactor_iterations='0'/>");
   int failed_at = -1;
