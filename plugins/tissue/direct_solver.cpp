@@ -38,7 +38,7 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   has_tail_ = false;
   report_.failed_factors = failed + (ok_ ? 0 : 1);
   report_.adopted_at = step;
-  if (!ok_) 
+  if (!ok_)
     report_.complain("the matrix is not positive definite: conjugate gradients instead");
 }
 

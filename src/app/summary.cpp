@@ -67,9 +67,9 @@ std::string Summary::text(double wall_seconds) const {
   append(out, "  not converged in %ld of %ld steps; %ld irreversible events\n",
          static_cast<long>(not_converged_), static_cast<long>(steps_), static_cast<long>(events_));
   if (troubled_ > 0) {
-    append(out, "  trouble in %ld of %ld steps; the first, in step %ld: ",
-           static_cast<long>(troubled_), static_cast<long>(steps_),
-           static_cast<long>(first_troubled_step_));
+    append(out,
+           "  trouble in %ld of %ld steps; the first, in step %ld: ", static_cast<long>(troubled_),
+           static_cast<long>(steps_), static_cast<long>(first_troubled_step_));
     out += first_trouble_ + '\n';  // of any length
   }
   return out;

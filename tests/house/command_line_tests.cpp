@@ -95,6 +95,19 @@ TEST_F(CommandLine, DivergenceIsFourAndLosesNothing) {
   EXPECT_TRUE(csv().ends_with('\n'));
 }
 
+// Five hundred times its weight crushes the block: the summary counts the steps and shows the first.
+TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
+  const std::string block =
+      "run " SUTURA_SOURCE_DIR "/scenes/components/DirectSolver.xml --steps 3" + output();
+  EXPECT_EQ(command(block).text.find("trouble"), std::string::npos);
+  const Outcome out = command(block + " --set .gravity='0 0 -5000'");
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_NE(out.text.find("trouble in 3 of 3 steps; the first, in step 1: /tissue: "),
+            std::string::npos)
+      << out.text;
+  EXPECT_NE(out.text.find("tetrahedra are inverted"), std::string::npos) << out.text;
+}
+
 TEST_F(CommandLine, InterruptEndsTheStepAndClosesFiles) {
   const Outcome out = command("run " + probe + " --steps 1000000000" + output(),
                               "timeout --preserve-status --signal=INT 1 ");
