@@ -1,8 +1,5 @@
 #!/usr/bin/env python3
 """Work-precision chart of the thread with its peers: plot_thread.py FOLDER [OUT.png]
-Error and beams of adaptive and uniform sampling:     plot_thread.py sampling FOLDER [OUT.png]
-
-The second reads thread_sampling.csv, which the test Loop.AdaptiveNeedsFourTimesFewerBeams leaves in $SUTURA_CHART.
 
 FOLDER holds thread_work_precision.csv (sutura_bench_thread). Peers' figures are published or were measured on the same kind
 of machine, one thread: see docs/theory/thread.md and the table PEERS below.
@@ -32,28 +29,7 @@ PEERS = {
 }
 
 
-def sampling(folder, out):
-    with open(os.path.join(folder, "thread_sampling.csv"), newline="") as file:
-        rows = list(csv.DictReader(file))
-    figure, panels = plt.subplots(1, 2, figsize=(8.8, 4.2))
-    for axes, quantity in zip(panels, ("shortening", "curvature")):
-        for kind, marker in (("uniform", "s--"), ("adaptive", "o-")):
-            points = [(int(r["beams"]), float(r[quantity + "_error"])) for r in rows if r["sampling"] == kind]
-            axes.loglog([p[0] for p in points], [p[1] for p in points], marker, label=kind)
-        axes.set_title({"shortening": "end shortening", "curvature": "largest curvature"}[quantity])
-        axes.set_xlabel("beams")
-        axes.set_ylabel("relative error")
-        axes.grid(True, which="both", alpha=0.25)
-        axes.legend()
-    figure.tight_layout()
-    figure.savefig(out, dpi=110)
-    print(out)
-
-
 def main():
-    if len(sys.argv) in (3, 4) and sys.argv[1] == "sampling":
-        folder = sys.argv[2]
-        return sampling(folder, sys.argv[3] if len(sys.argv) == 4 else os.path.join(folder, "thread_sampling.png"))
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     folder = sys.argv[1]

@@ -5,7 +5,6 @@
 #include <cstdlib>
 
 #include "rod_builder.h"
-#include "suture_thread.h"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
@@ -44,37 +43,6 @@ TEST(Allocation, NoneInTheStep) {
     EXPECT_EQ(allocations, before) << (violent ? "violent" : "calm");
     EXPECT_EQ(passes > 9, violent);  // the guarded descent was there
   }
-}
-
-TEST(Allocation, NoneInAQuietStepOfASampledThread) {
-  Diagnostics diagnostics;
-  SutureThread thread;
-  thread.needle_arc_length = 0;
-  thread.thread_beams = 20;
-  thread.sampling_angle = 0.2;
-  thread.clamp = SutureThread::Clamp::start;
-  sutura::Setup setup{diagnostics, {}, {}, 0.01, Vec3::Zero(), 1};
-  thread.initialise(setup);
-  ASSERT_TRUE(diagnostics.ok());
-  const StepContext context{.dt = 0.01};
-  const auto step = [&](const VecX& force) {
-    thread.free_motion(context);
-    thread.correct(context, force);
-  };
-  // The U turn it is laid out with makes it sample (and so allocate) first.
-  const Index laid_out = thread.dofs();
-  bool sampled = false;
-  for (int i = 0; i < 1000; ++i) {
-    step(VecX::Zero(thread.dofs()));
-    sampled = sampled || thread.dofs() != laid_out;
-  }
-  ASSERT_TRUE(sampled);
-  const Index dofs = thread.dofs();
-  const VecX none = VecX::Zero(dofs);
-  const long before = allocations;
-  for (int i = 0; i < 100; ++i) step(none);
-  EXPECT_EQ(allocations, before);
-  EXPECT_EQ(thread.dofs(), dofs);  // quiet: no event among the hundred
 }
 
 }  // namespace
