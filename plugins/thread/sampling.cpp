@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cubic.h"
 
@@ -21,11 +22,25 @@ Real turning_angle(const Rod& rod, Index beam) {
   return sum;
 }
 
+void SamplingWork::reserve(std::size_t beams) {
+  nodes.reserve(2 * beams + 1);  // at most every beam is split
+  angle.reserve(beams);
+  split.reserve(beams);
+}
+
 std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& changed) {
+  SamplingWork work;
+  changed = sample(rod, rules, work);
+  return std::move(work.nodes);
+}
+
+bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   const std::vector<Real>& s = rod.abscissa();
   const Index n = rod.beams();
-  std::vector<Real> angle(static_cast<std::size_t>(n));
-  std::vector<char> split(static_cast<std::size_t>(n), 0);
+  std::vector<Real>& angle = work.angle;
+  std::vector<char>& split = work.split;
+  angle.assign(static_cast<std::size_t>(n), 0);
+  split.assign(static_cast<std::size_t>(n), 0);
   const auto length = [&](Index e) { return s[e + 1] - s[e]; };
   const auto fixed = [&](Index e) { return s[e] < rules.from - 1e-9; };
   for (Index e = 0; e < n; ++e) {
@@ -44,8 +59,9 @@ std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& chang
       if (length(e) > 2 * neighbour * (1 + 1e-9)) split[e] = 1, more = true;
     }
   }
-  changed = false;
-  std::vector<Real> nodes = {s[0]};
+  bool changed = false;
+  std::vector<Real>& nodes = work.nodes;
+  nodes.assign(1, s[0]);
   const auto is_forced = [&](Real a) {
     return std::any_of(rules.forced.begin(), rules.forced.end(),
                        [a](Real f) { return std::abs(f - a) < 1e-9; });
@@ -73,7 +89,7 @@ std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& chang
       nodes.push_back(s[e + 1]);
     }
   }
-  return nodes;
+  return changed;
 }
 
 }  // namespace sutura::thread

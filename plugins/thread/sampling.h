@@ -22,7 +22,17 @@ struct SamplingRules {
 /// Integral of |dt/ds| along a beam of the current configuration (rad).
 Real turning_angle(const Rod& rod, Index beam);
 
-/// The nodes the rules ask for; `changed` says whether they differ from the rod's.
+/// Work space of sample(), kept by the caller so that a quiet step allocates nothing.
+struct SamplingWork {
+  std::vector<Real> nodes;  ///< the nodes asked for, m
+  std::vector<Real> angle;  ///< per beam, rad
+  std::vector<char> split;  ///< per beam
+  void reserve(std::size_t beams);
+};
+
+/// Puts the nodes the rules ask for into `work.nodes`; true when they differ from the rod's.
+bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work);
+/// The same with a work space of its own.
 std::vector<Real> sample(const Rod& rod, const SamplingRules& rules, bool& changed);
 
 }  // namespace sutura::thread

@@ -91,6 +91,10 @@ void SutureThread::build() {
             .longest = thread_length / static_cast<Real>(thread_beams),
             .from = needle_arc_length,
             .forced = holds_};
+  // A beam is split only above twice the shortest, so none of the thread is shorter than that.
+  if (sampling_angle > 0)
+    sampling_work_.reserve(rod_.abscissa().size() +
+                           static_cast<std::size_t>(thread_length / shortest_beam));
   touched_.reserve(static_cast<std::size_t>(rod_.nodes()));
   touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
@@ -107,10 +111,8 @@ void SutureThread::correct(const StepContext& context, const VecX& force) {
 }
 
 void SutureThread::resample() {
-  bool changed = false;
-  const std::vector<Real> nodes = sample(rod_, rules_, changed);
-  if (!changed || !rod_.finite()) return;
-  rod_.resample(nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
+  if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
+  rod_.resample(sampling_work_.nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
   touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 

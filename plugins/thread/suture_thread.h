@@ -76,6 +76,7 @@ class SutureThread : public Component, public CurveBody {
   Rod rod_;
   SutureShape shape_;
   SamplingRules rules_;
+  SamplingWork sampling_work_;
   std::vector<Real> holds_;  ///< abscissae
   bool factored_ = true;
   Real dt_ = 0;
