@@ -110,7 +110,7 @@ TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
 
 TEST_F(CommandLine, InterruptEndsTheStepAndClosesFiles) {
   const Outcome out = command("run " + probe + " --steps 1000000000" + output(),
-                              "timeout --preserve-status --signal=INT 1 ");
+                              "timeout --foreground --preserve-status --signal=INT 1 ");
   EXPECT_EQ(out.code, 130) << out.text;
   EXPECT_NE(out.text.find(" s simulated in "), std::string::npos)
       << out.text;  // the summary is there
