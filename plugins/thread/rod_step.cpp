@@ -89,9 +89,11 @@ bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
   assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
   if (!factor()) return false;
   matrix_.solve(Eigen::Ref<VecX>(rhs_));
+  scratch_ = dt * rhs_;
+  // A second pass would otherwise meet the tension of the start of the step at the poses of its end.
+  if (newton_iterations > 1) predict_tension(free_, free_twist_, scratch_, 1, false);
   free_velocity_ += rhs_;
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-  scratch_ = dt * rhs_;
   return true;
 }
 
