@@ -150,6 +150,16 @@ struct HoldStiffness {
   Real rotation = 10;      ///< N m/rad
 };
 
+/// Where a curve is expected to pass at the end of the next step: its section at `abscissa` through `point`, free to slide along
+/// `tangent`.
+struct Guide {
+  Real abscissa = 0;              ///< m
+  Vec3 point = Vec3::Zero();      ///< m
+  Vec3 tangent = Vec3::UnitX();   ///< unit
+  Real acted_at = 0;              ///< abscissa at which it was held in the step that ends (m)
+  Vec3 force = Vec3::Zero();      ///< with which it was held there (N)
+};
+
 /// A body that is a curve, parametrised by arc length at rest ("abscissa", m): 0 at the needle tip,
 /// growing towards the end of the thread.
 class CurveBody : public Body {
@@ -168,6 +178,9 @@ class CurveBody : public Body {
   /// curve downhill, so that it cannot jump to another strand.
   virtual Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
                                 Configuration c) const = 0;
+
+  /// For bodies that linearise a step about the motion they expect. Called in commit, counts for one step.
+  virtual void expect(const Guide&) {}
 
   /// Holds: a section tied to a moving pose by an implicit spring, part of A (a grasper, a clamp).
   /// `add_hold` is called from initialise, by components linked to this one; returns its number.

@@ -62,7 +62,7 @@ Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real absci
   c.id = id;
   c.abscissa = std::clamp(abscissa + slip, Real(0), thread_->length());
   c.position = tissue_->position(at, Configuration::current);
-  const Vec3 tangent = thread_->tangent(c.abscissa, Configuration::current);
+  const Vec3 tangent = thread_->tangent(abscissa, Configuration::current);
   c.axes.row(0) = tangent;
   c.axes.row(1) = tangent.unitOrthogonal();
   c.axes.row(2) = tangent.cross(tangent.unitOrthogonal());
@@ -124,6 +124,16 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
     }
   }
   channel_->update();
+  for (const LateralBlock& b : blocks_) {
+    if (b.crossing >= sample_crossings_) continue;
+    const Crossing& c = crossings_[b.crossing];
+    for (std::size_t i = 0; i < channel_->passed(); ++i) {
+      const PathSample& s = channel_->samples()[i];
+      if (s.id != c.id) continue;
+      const Vec3 now = tissue_->position(s.at, Configuration::current);
+      thread_->expect({.abscissa = std::clamp(s.abscissa + s.slip, Real(0), thread_->length()), .point = 2 * now - c.position, .tangent = thread_->tangent(s.abscissa, Configuration::current), .acted_at = c.abscissa, .force = solved.force(b.block)});
+    }
+  }
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];

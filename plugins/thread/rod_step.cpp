@@ -70,9 +70,13 @@ void Rod::add_correction(Real dt, Real part) {
 // linearisation there says nothing about where it will be. So the step is linearised about the motion under the constraint
 // forces of the step before, and those are then taken off again, linearly: rows still answer with their whole lambda.
 bool Rod::free_motion(Real dt, const Vec3& gravity) {
+  const bool guided = !guides_.empty() && guided_motion(dt, gravity);
+  guides_.clear();
+  if (guided) return true;
   if (!expected_motion(dt, gravity)) return false;
   answer(constraint_force_);
-  free_velocity_ -= dt * rhs_;
+  free_correction_ = -dt * rhs_;
+  free_velocity_ += free_correction_;
   return true;
 }
 
