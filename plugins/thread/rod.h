@@ -115,6 +115,8 @@ class Rod {
   bool expected_motion(Real dt, const Vec3& gravity);
   bool guided_motion(Real dt, const Vec3& gravity);
   void apply_guides(Real dt);
+  Real guide_energy() const;
+  bool lower_potential(Real dt, const Vec3& gravity, int most, Real settled);
   bool linearise_ahead(Real dt, const Vec3& gravity);
   bool linearise_here(Real dt, const Vec3& gravity);
   void answer(const VecX& force);

@@ -42,13 +42,23 @@ void Rod::apply_guides(Real dt) {
   }
 }
 
-/// False if Newton does not settle; nothing is changed then.
+Real Rod::guide_energy() const {
+  Real sum = 0;
+  for (const Guide& g : guides_) {
+    const Vec3 gap = curve_point(*this, g.abscissa, Configuration::free) - g.point;
+    sum += guide_stiffness / 2 * (gap.squaredNorm() - std::pow(gap.dot(g.tangent), 2));
+  }
+  return sum;
+}
+
+/// False if a matrix cannot be factored; nothing is changed then.
 bool Rod::guided_motion(Real dt, const Vec3& gravity) {
-  constexpr Index most_passes = 6;
+  constexpr int most_passes = 8;
   constexpr Real settled = 0.02;  // rad; the next correction is its square
   const VecX kept = constraint_force_;
   for (const Guide& g : guides_) add_force(*this, g.acted_at, -g.force, constraint_force_);
   keep_ = 1;
+  passes_ = 1;
   free_ = pose_;
   free_twist_ = twist_;
   free_velocity_ = velocity_;
@@ -56,17 +66,7 @@ bool Rod::guided_motion(Real dt, const Vec3& gravity) {
   if (clamped_.empty())
     for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-  Real turn = 1;
-  for (passes_ = 1; passes_ <= most_passes && turn > settled; ++passes_) {
-    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-    apply_guides(dt);
-    if (!factor()) break;
-    matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    scratch_ = dt * rhs_;
-    turn = largest_turn(free_, scratch_);
-    add_correction(dt, std::min(1., turn_limit / turn));
-  }
-  if (turn <= turn_limit) {
+  if (lower_potential(dt, gravity, most_passes, settled)) {
     constraint_force_.setZero();
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     if (factor()) {

@@ -151,7 +151,7 @@ bool Rod::expected_motion(Real dt, const Vec3& gravity) {
 /// difference, in the norm of the mass, to the velocity that inertia alone would keep. Weight is in the
 /// potential energy.
 Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
-  Real sum = spring_energy(free_) - dt * constraint_force_.dot(free_velocity_);
+  Real sum = spring_energy(free_) + guide_energy() - dt * constraint_force_.dot(free_velocity_);
   ElementState s;
   scratch_ = free_velocity_ - velocity_;
   for (Index e = 0; e < beams(); ++e) {
@@ -161,28 +161,20 @@ Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
   return sum;
 }
 
-// Newton from where the step began, each correction shortened until the incremental potential falls. It may
-// stop short of the minimum, which only slows the motion; the velocity carried on is then cut to what the
-// energy balance leaves. So no start and no step size makes energy grow.
-bool Rod::descend(Real dt, const Vec3& gravity) {
-  free_velocity_.setZero();
-  free_ = pose_;
-  free_twist_ = twist_;
-  ElementState s;
-  for (Index e = 0; e < beams(); ++e) {
-    element_state(e, s);
-    tension_[e] = s.tension;
-  }
+/// Newton from the present free motion, each correction shortened until the incremental potential falls. Ends when a
+/// correction turns no beam by more than `settled` (rad), or nothing more is gained. False if a matrix cannot be factored.
+bool Rod::lower_potential(Real dt, const Vec3& gravity, int most, Real settled) {
   Real value = incremental_potential(dt, gravity);
-  constexpr int most = 12;
   for (int i = 0; i < most; ++i, ++passes_) {
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+    apply_guides(dt);
     if (!factor()) return false;
     matrix_.solve(Eigen::Ref<VecX>(rhs_));
     correction_ = rhs_;
     before_velocity_ = free_velocity_;
     scratch_ = dt * correction_;
-    Real part = std::min(1., turn_limit / largest_turn(free_, scratch_));
+    const Real turn = largest_turn(free_, scratch_);
+    Real part = std::min(1., turn_limit / turn);
     predict_tension(free_, free_twist_, scratch_, part, false);
     Real next = value;
     for (int cut = 0; cut < 20; ++cut, part /= 2) {
@@ -196,9 +188,24 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
       move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
       break;
     }
-    if (value - next < 1e-6 * std::abs(value)) break;
+    if (turn < settled || value - next < 1e-6 * std::abs(value)) break;
     value = next;
   }
+  return true;
+}
+
+// From where the step began. It may stop short of the minimum, which only slows the motion; the velocity carried on is then cut
+// to what the energy balance leaves. So no start and no step size makes energy grow.
+bool Rod::descend(Real dt, const Vec3& gravity) {
+  free_velocity_.setZero();
+  free_ = pose_;
+  free_twist_ = twist_;
+  ElementState s;
+  for (Index e = 0; e < beams(); ++e) {
+    element_state(e, s);
+    tension_[e] = s.tension;
+  }
+  if (!lower_potential(dt, gravity, 12, 0)) return false;
   const Energy end = free_energy(gravity);
   const Real left =
       start_energy_ + dt * constraint_force_.dot(free_velocity_) - end.potential;
