@@ -53,7 +53,7 @@ Real Rod::guide_energy() const {
 
 /// False if a matrix cannot be factored; nothing is changed then.
 bool Rod::guided_motion(Real dt, const Vec3& gravity) {
-  constexpr int most_passes = 8;
+  constexpr int most_passes = 20;
   constexpr Real settled = 0.02;  // rad; the next correction is its square
   const VecX kept = constraint_force_;
   for (const Guide& g : guides_) add_force(*this, g.acted_at, -g.force, constraint_force_);
