@@ -87,7 +87,7 @@ class Body {
   virtual void free_motion(const StepContext& context) = 0;
 
   virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
-  /// At the current configuration.
+  /// About the motion that the body was linearised about in this step: `position(p, free)` and rows are on one tangent.
   virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
 
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed

@@ -113,9 +113,10 @@ class Rod {
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                    std::vector<Real>& twist, const VecX& v, bool first);
   bool expected_motion(Real dt, const Vec3& gravity);
+  void start_by_inertia(Real dt, const Vec3& gravity);
   bool guided_motion(Real dt, const Vec3& gravity);
   void apply_guides(Real dt);
-  Real guide_energy() const;
+  Real guide_energy() const;  ///< of their springs at the free poses
   bool lower_potential(Real dt, const Vec3& gravity, int most, Real settled);
   bool linearise_ahead(Real dt, const Vec3& gravity);
   bool linearise_here(Real dt, const Vec3& gravity);
@@ -154,7 +155,7 @@ class Rod {
   std::vector<Real> tension_;  ///< of the linearisation, N
   std::vector<Guide> guides_;
   VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
-  VecX velocity_, free_velocity_, free_correction_, rhs_, scratch_, before_velocity_, correction_;
+  VecX velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;

@@ -1,10 +1,11 @@
 // The free motion of a rod that constraints lead along a path: it is linearised where they are expected to hold it.
 //
-// A taut thread that slides round a corner turns by (slip / radius) in a step, and its constraints decide where to. Linearised
-// at any other place, the answer of its rows is wrong by the stretch of that turn times EA: a drag that grows with the step and
-// that no friction law knows of. So the rod first moves by Newton as if springs held it laterally at the guides; what it
-// does without constraints is then the linear answer from there.
+// A taut thread that slides round a corner turns by slip / radius in a step, and its constraints decide where to. Linearised
+// anywhere else, the answer of its rows is wrong by the stretch that this turn fakes, times EA: a drag that grows with the
+// step and that no friction law knows of. So the rod first moves by Newton as if springs held it sideways at its guides; the
+// free motion is then the linear answer from there, without guides and without the constraint forces of the last step.
 #include <algorithm>
+#include <cmath>
 
 #include "curve.h"
 #include "rod.h"
@@ -12,7 +13,8 @@
 namespace sutura::thread {
 namespace {
 
-/// Far above the stiffness of a thread across itself at the length of a millimetre, far below the axial one of a needle.
+/// About what half a millimetre of thread resists with when it is bent across (192 EI / L^3): softer would not lead, much
+/// stiffer would only cost Newton corrections.
 constexpr Real guide_stiffness = 1e5;  // N/m
 
 void add_force(const Rod& rod, Real s, const Vec3& force, VecX& sum) {
@@ -24,21 +26,27 @@ void add_force(const Rod& rod, Real s, const Vec3& force, VecX& sum) {
 
 }  // namespace
 
-/// Lateral springs at the guides, at the free poses: to rhs_ and matrix_.
+/// The springs of the guides at the free poses: to rhs_ and matrix_.
 void Rod::apply_guides(Real dt) {
+  using Mat36 = Eigen::Matrix<Real, 3, 6>;
   PointJacobian J;
   for (const Guide& g : guides_) {
     curve_jacobian(*this, g.abscissa, Configuration::free, J);
-    const Mat3 across = Mat3::Identity() - g.tangent * g.tangent.transpose();
-    const Vec3 gap = across * (curve_point(*this, g.abscissa, Configuration::free) - g.point);
+    Mat36 j[2];
+    for (int k = 0; k < 2; ++k) {
+      const bool fixed = std::find(clamped_.begin(), clamped_.end(), J.node[k]) != clamped_.end();
+      if (fixed) j[k].setZero();
+      else j[k] = J.coefficients.middleCols<6>(6 * k);
+      j[k] -= g.tangent * (g.tangent.transpose() * j[k]).eval();  // across the guide
+    }
+    const Vec3 gap = curve_point(*this, g.abscissa, Configuration::free) - g.point;
+    const Real k = guide_stiffness;
     const Index a = J.node[0];
-    const Eigen::Matrix<Real, 3, 6> ja = J.coefficients.leftCols<6>(), jb = J.coefficients.rightCols<6>();
-    const Eigen::Matrix<Real, 3, 6> ka = guide_stiffness * across * ja, kb = guide_stiffness * across * jb;
-    rhs_.segment<6>(6 * a) -= dt * guide_stiffness * ja.transpose() * gap;
-    rhs_.segment<6>(6 * a + 6) -= dt * guide_stiffness * jb.transpose() * gap;
-    matrix_.diagonal(a) += dt * dt * ja.transpose() * ka;
-    matrix_.upper(a) += dt * dt * ja.transpose() * kb;
-    matrix_.diagonal(a + 1) += dt * dt * jb.transpose() * kb;
+    rhs_.segment<6>(6 * a) -= dt * k * j[0].transpose() * gap;
+    rhs_.segment<6>(6 * a + 6) -= dt * k * j[1].transpose() * gap;
+    matrix_.diagonal(a) += dt * dt * k * j[0].transpose() * j[0];
+    matrix_.upper(a) += dt * dt * k * j[0].transpose() * j[1];
+    matrix_.diagonal(a + 1) += dt * dt * k * j[1].transpose() * j[1];
   }
 }
 
@@ -51,22 +59,16 @@ Real Rod::guide_energy() const {
   return sum;
 }
 
-/// False if a matrix cannot be factored; nothing is changed then.
+/// False if a matrix cannot be factored; the expected constraint forces are then what they were.
 bool Rod::guided_motion(Real dt, const Vec3& gravity) {
-  constexpr int most_passes = 20;
-  constexpr Real settled = 0.02;  // rad; the next correction is its square
-  const VecX kept = constraint_force_;
+  constexpr int most_corrections = 20;
+  constexpr Real settled = 0.02;  // rad; what is left after such a correction is its square
+  last_force_ = constraint_force_;
   for (const Guide& g : guides_) add_force(*this, g.acted_at, -g.force, constraint_force_);
   keep_ = 1;
   passes_ = 1;
-  free_ = pose_;
-  free_twist_ = twist_;
-  free_velocity_ = velocity_;
-  start_energy_ = free_energy(gravity, true).total();
-  if (clamped_.empty())
-    for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
-  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-  if (lower_potential(dt, gravity, most_passes, settled)) {
+  start_by_inertia(dt, gravity);
+  if (lower_potential(dt, gravity, most_corrections, settled)) {
     constraint_force_.setZero();
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     if (factor()) {
@@ -76,7 +78,7 @@ bool Rod::guided_motion(Real dt, const Vec3& gravity) {
       return true;
     }
   }
-  constraint_force_ = kept;
+  constraint_force_ = last_force_;
   return false;
 }
 

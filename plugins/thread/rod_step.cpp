@@ -67,8 +67,9 @@ void Rod::add_correction(Real dt, Real part) {
 }
 
 // A taut thread in its path would leave it by millimetres if its constraints were dropped for the free motion, and a
-// linearisation there says nothing about where it will be. So the step is linearised about the motion under the constraint
-// forces of the step before, and those are then taken off again, linearly: rows still answer with their whole lambda.
+// linearisation there says nothing about where it will be. So the step is linearised about the motion that is expected with
+// constraints: led by guides where a path has left some (rod_guides.cpp), else under the constraint forces of the step before.
+// Those are then taken off again, linearly: rows still answer with their whole lambda.
 bool Rod::free_motion(Real dt, const Vec3& gravity) {
   const bool guided = !guides_.empty() && guided_motion(dt, gravity);
   guides_.clear();
@@ -80,9 +81,8 @@ bool Rod::free_motion(Real dt, const Vec3& gravity) {
   return true;
 }
 
-/// Linearises where the motion of the step before leads: a turning beam then has no second-order stretch
-/// left but that of its acceleration. False if the linear system is not positive definite.
-bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
+/// The free motion as the velocity of the step before would have it; tension and start energy are those of now.
+void Rod::start_by_inertia(Real dt, const Vec3& gravity) {
   free_ = pose_;
   free_twist_ = twist_;
   free_velocity_ = velocity_;
@@ -90,6 +90,12 @@ bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
   if (clamped_.empty())
     for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+}
+
+/// Linearises where the motion of the step before leads: a turning beam then has no second-order stretch
+/// left but that of its acceleration. False if the linear system is not positive definite.
+bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
+  start_by_inertia(dt, gravity);
   assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
   if (!factor()) return false;
   matrix_.solve(Eigen::Ref<VecX>(rhs_));

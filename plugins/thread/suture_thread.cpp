@@ -116,8 +116,8 @@ void SutureThread::resample() {
   touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
-/// After free motion: along the velocity, not where the nodes are. Without its constraints a taut thread may turn by a
-/// radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
+/// After free motion: where the linear answer puts it, not the curve through the free poses. Without its constraints a taut thread
+/// may turn by a radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
 Vec3 SutureThread::point(Real s, Configuration c) const {
   if (c != Configuration::free) return curve_point(rod_, s, c);
   PointJacobian J;
