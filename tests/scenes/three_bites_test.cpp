@@ -27,9 +27,11 @@ Table run() {
 }
 
 /// The puller lifts the needle straight up and the thread behind it slides through every bite: the force on the puller is mu p times
-/// the surface inside, whatever the corners. 5 %: damping of the bending at the mouths adds up to 2 % at these speeds (3 % were
-/// seen in all), and the pull is up to 6 degrees off the vertical.
+/// the surface inside, whatever the corners. The mean is met within 3 % (1 % was seen; damping of the bending at the mouths is part
+/// of it). A single step may be off by 20 %: rows hold the material that the last slip predicts, and while the slip changes
+/// by a h^2 = 0.02 mm a step they pull 0.02 rad aslant, of the ten times larger force across the thread.
 void expect_pull_is_friction(const Table& t, double from, double to) {
+  double sum = 0;
   int slides = 0;
   for (auto row = std::size_t(from * steps_per_second); row < std::size_t(to * steps_per_second); ++row) {
     if (std::abs(t.number(row, "friction.sliding")) != t.number(row - 1, "path.samples")) continue;
@@ -37,10 +39,12 @@ void expect_pull_is_friction(const Table& t, double from, double to) {
     const double law = friction * std::numbers::pi * thread_diameter * inside;
     const double pull = std::hypot(t.number(row, "tools/puller.force.x [N]"), t.number(row, "tools/puller.force.y [N]"),
                                    t.number(row, "tools/puller.force.z [N]"));
-    EXPECT_NEAR(pull, law, 0.05 * law) << "at row " << row;
+    EXPECT_NEAR(pull, law, 0.2 * law) << "at row " << row;
+    sum += pull / law;
     ++slides;
   }
   EXPECT_GT(slides, (to - from) * steps_per_second / 2) << "from " << from;
+  EXPECT_NEAR(sum / slides, 1, 0.03) << "from " << from;
 }
 
 TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
@@ -53,8 +57,8 @@ TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
     EXPECT_LT(t.number(i, "path.lateral_gap [m]"), 0.1e-3) << "at row " << i;
     EXPECT_LT(t.number(i, "path.lateral_force [N]"), 0.3) << "at row " << i;
   }
-  expect_pull_is_friction(t, 3.5, 3.9);   // through one bite
-  expect_pull_is_friction(t, 8.65, 8.95); // through two
+  expect_pull_is_friction(t, 3.4, 3.9);    // through one bite
+  expect_pull_is_friction(t, 8.55, 8.95);  // through two
   // The length in the three bites is the length of their channels: the thread cuts no corner inside.
   EXPECT_GT(t.number(last, "path.entry_abscissa [m]"), 0.13);
   EXPECT_NEAR(t.number(last, "path.inserted_length [m]"), 3 * 14.5e-3, 2e-3);
