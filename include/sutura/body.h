@@ -126,6 +126,12 @@ struct SurfacePoint {
   Real distance = 0;           ///< signed: positive outside
 };
 
+/// Isotropic, small strain.
+struct Elasticity {
+  Real young = 0;  ///< Pa; 0: not known
+  Real poisson = 0;
+};
+
 /// A body with an inside: tissue.
 class SolidBody : public Body {
  public:
@@ -142,6 +148,7 @@ class SolidBody : public Body {
   virtual Vec3 surface_normal(Index triangle, Configuration c) const = 0;
   /// Region tag of the mesh (layer).
   virtual int region(const EmbeddedPoint& p) const = 0;
+  virtual Elasticity elasticity(const EmbeddedPoint&) const { return {}; }
 };
 
 /// How firmly a hold keeps a section of a curve.
