@@ -231,6 +231,10 @@ void Rod::correct(Real dt, const VecX& force) {
   constraint_force_ = force;
   answer(force);
   velocity_ = free_velocity_ + dt * rhs_;
+  // Further than this from the motion that it was linearised about, a linear answer is a fiction that rows feed on.
+  scratch_ = dt * (free_correction_ + dt * rhs_);
+  excess_turn_ = largest_turn(free_, scratch_) / most_turn;
+  if (excess_turn_ > 1) velocity_ += (1 / excess_turn_ - 1) / dt * scratch_;
   move(pose_, twist_, velocity_, dt, pose_, twist_);
   if (keep_ < 1) velocity_ *= keep_;
   for (NodeSpring& spring : springs_) {

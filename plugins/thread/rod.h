@@ -83,6 +83,8 @@ class Rod {
 
   /// Linearisations the last free motion took.
   Index passes() const { return passes_; }
+  /// Constraints turned a beam this many times further than a step can follow; above 1 the step was shortened.
+  Real excess_turn() const { return excess_turn_; }
 
   struct StaticReport {
     bool converged = false;
@@ -159,6 +161,8 @@ class Rod {
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
+  static constexpr Real most_turn = 1;  ///< rad, beyond the expected motion
+  Real excess_turn_ = 0;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

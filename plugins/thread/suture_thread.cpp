@@ -185,6 +185,15 @@ void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX
   for (const Index node : touched_) touched_place_[node] = -1;
 }
 
+std::string SutureThread::trouble() const {
+  if (!factored_) return "the matrix of the step is not positive definite; the thread stays where it is";
+  if (rod_.excess_turn() > 1)
+    return "constraints turn a beam by more than " + std::to_string(std::lround(rod_.excess_turn())) +
+           " rad in one step, the step was cut short: the beams are too long for so soft a thread (see sampling_angle, "
+           "thread_beams), or the step is";
+  return {};
+}
+
 Real SutureThread::radius(Real s) const {
   return (s < shape_.needle_length ? needle_diameter : thread_diameter) / 2;
 }
