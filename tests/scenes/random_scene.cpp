@@ -125,15 +125,22 @@ void RandomScene::draw_thresholds() {
 void RandomScene::draw_path() {
   Draw& d = *draw_;
   dt = d.log_real(2e-3, 20e-3);
-  steps = d.whole(30, 50);
   smooth_ = d.one_in(2);
-  const Real far = d.real(4e-3, 8e-3), back = far * d.real(0.1, 1.3), again = far * d.real(0.8, 1.4);
+  Real far = d.real(4e-3, 8e-3), back = far * d.real(0.1, 1.3), again = far * d.real(0.8, 1.4);
+  steps = d.whole(30, 50);
+  if (needle_angle_ > 100 * degree && d.one_in(2)) {  // all the way round and out again, if the pad lets it
+    far = 0.4 * needle_length_;
+    back = 0.3 * far * d.real(0, 1);
+    again = 0.9 * needle_length_;
+    hold_ = 0.95 * needle_length_;
+    steps = 60;
+  } else {
+    again = std::min(again, 0.5 * needle_length_);
+  }
   // Fractions of the script: rest, advance, stop, retract, advance.
-  const Real turns[] = {0, d.real(0.3, 0.4), 0, 0, 1};
-  travel_ = {0, far, far, far - back, std::min(again, 0.5 * needle_length_)};
-  const Real script = dt * static_cast<Real>(steps);
-  const Real stop = turns[1] + d.real(0.05, 0.12), retract = stop + d.real(0.12, 0.22);
-  for (const Real f : {0.02, turns[1], stop, retract, 1.}) times_.push_back(f * script);
+  const Real advanced = d.real(0.3, 0.4), stop = advanced + d.real(0.05, 0.12), retracted = stop + d.real(0.12, 0.22);
+  travel_ = {0, far, far, far - back, again};
+  for (const Real f : {0.02, advanced, stop, retracted, 1.}) times_.push_back(f * dt * static_cast<Real>(steps));
 }
 
 std::filesystem::path RandomScene::write(const std::filesystem::path& folder, const View& view) const {

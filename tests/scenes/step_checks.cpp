@@ -68,18 +68,30 @@ Vec3 lever(const Share& s, int dim) {
 }  // namespace
 
 ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
+  ThirdLaw out;
   std::vector<std::vector<Vec3>> x;
   std::size_t thread = 0, tissue = 0;
   const CurveBody* curve = nullptr;
   for (std::size_t i = 0; i < simulation.bodies().size(); ++i) {
     const Body* body = simulation.bodies()[i].body;
     x.push_back(body->geometry().points);
-    if (const auto* c = dynamic_cast<const CurveBody*>(body)) curve = c, thread = i;
-    else tissue = i;
+    if (const auto* c = dynamic_cast<const CurveBody*>(body)) {
+      // Rows of the thread are taken where the step was linearised; `frame` is on the curve through those poses.
+      curve = c, thread = i;
+      const std::vector<Vec3> before = x.back();
+      const BodyGeometry geometry = body->geometry();
+      const auto abscissa = std::find_if(geometry.fields.begin(), geometry.fields.end(),
+                                         [](const auto& field) { return field.name == "abscissa [m]"; });
+      for (std::size_t n = 0; n < before.size(); ++n) {
+        x.back()[n] = c->frame(abscissa->values[n], Configuration::free).position;
+        out.ahead = std::max(out.ahead, (x.back()[n] - before[n]).norm());
+      }
+    } else {
+      tissue = i;
+    }
   }
 
   // All rows together, as the bodies get them.
-  ThirdLaw out;
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero(), expected = Vec3::Zero();
   Real forces = 0, moments = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -103,14 +115,14 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
     const Share a = share_of(p.bodies[thread], x[thread], b), c = share_of(p.bodies[tissue], x[tissue], b);
     const VecX lambda = p.lambda.segment(b.first_row, dim);
     const Vec3 f = a.force.leftCols(dim) * lambda;
-    Vec3 at = curve->point(0, Configuration::current);  // puncture and cutting act on the tip
+    Vec3 at = curve->frame(0, Configuration::free).position;  // puncture and cutting act on the tip
     if (is(b, Bilateral<2>::name)) {
       at = on_thread[sample(b)] = lever(a, dim);
       // The search is local: help it where the thread is curved.
       Real off = INFINITY;
       for (int k = 0; k <= 20 && off > 1e-9; ++k) {
-        const Real s = curve->closest_abscissa(at, curve->length() * k / 20, 0, curve->length(), Configuration::current);
-        off = std::min(off, (curve->point(s, Configuration::current) - at).norm());
+        const Real s = curve->closest_abscissa(at, curve->length() * k / 20, 0, curve->length(), Configuration::free);
+        off = std::min(off, (curve->frame(s, Configuration::free).position - at).norm());
       }
       out.off_curve = std::max(out.off_curve, off);
       if (f.norm() > 0) out.gap = std::max(out.gap, (at - c.mean).norm());

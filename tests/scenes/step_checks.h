@@ -17,8 +17,9 @@ struct ThirdLaw {
   Real moment = 0;  ///< |sum of moments - sum of gap x f| / sum |x| |f|, gaps from the geometry of thread and tissue
   Real off_curve = 0;  ///< largest distance of a point on which path rows act from the centreline of the thread (m)
   Real gap = 0;        ///< largest distance between the two points of a path block that bears a force (m)
+  Real ahead = 0;      ///< largest distance of a node of the thread from where the step was linearised (m)
 };
-/// At the time of the solve, when the bodies are still where the step began.
+/// At the time of the solve: the tissue is where the step began, the thread where its step was linearised.
 ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& solved);
 
 /// The largest amount by which a force lies outside the set that its law admits, in N, over the blocks; `who` names the worst.
@@ -26,6 +27,12 @@ Real outside_admissible(const ConstraintProblem& solved, std::string& who);
 /// The largest distance from the graph of the laws: how far delta is from what the state of the force asks for, in m.
 /// A force counts as inside its limits if it is so by `margin` (N).
 Real off_graph(const ConstraintProblem& solved, Real margin, std::string& who);
+
+/// Surfaces and layers that gave way in this solve.
+struct PunctureCount {
+  Index entries = 0, layers = 0, exits = 0;
+};
+PunctureCount punctures(const ConstraintProblem& start, const ConstraintProblem& solved);
 
 /// Solves the same problem by the reference solver, from zero force and the modes of the start.
 struct EventCheck {
