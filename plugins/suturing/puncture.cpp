@@ -217,7 +217,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
 }
 
 void Puncture::begin_bite() {
-  path_->channel().enter(touched_.at);
+  // A tip that gave way beside an old mouth may have slid into that channel in the same step: it is in once, not twice.
+  if (!path_->channel().tip_inside()) path_->channel().enter(touched_.at);
   region_ = path_->tissue().region(touched_.at);
 }
 
