@@ -119,7 +119,10 @@ class Rod {
   bool guided_motion(Real dt, const Vec3& gravity);
   void apply_guides(Real dt);
   Real guide_energy() const;  ///< of their springs at the free poses
-  bool lower_potential(Real dt, const Vec3& gravity, int most, Real settled);
+  bool find_correction(Real dt, const Vec3& gravity, Real& turn);
+  void take_correction(Real dt, Real part);
+  Real take_shortened(Real dt, const Vec3& gravity, Real turn, Real value);
+  bool follow_guides(Real dt, const Vec3& gravity);
   bool linearise_ahead(Real dt, const Vec3& gravity);
   bool linearise_here(Real dt, const Vec3& gravity);
   void answer(const VecX& force);
