@@ -157,6 +157,7 @@ class Rod {
   VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
   VecX velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
+  Real last_turn_ = 0;  ///< of the last correction of lower_potential (rad)
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
   std::vector<Index> clamped_;

@@ -59,16 +59,18 @@ Real Rod::guide_energy() const {
   return sum;
 }
 
-/// False if a matrix cannot be factored; the expected constraint forces are then what they were.
+/// False if a matrix cannot be factored or the motion has not settled, as with a loose end that whips: the linear answer from
+/// there could be anything, and nothing here balances energy. The expected constraint forces are then what they were.
 bool Rod::guided_motion(Real dt, const Vec3& gravity) {
   constexpr int most_corrections = 20;
   constexpr Real settled = 0.02;  // rad; what is left after such a correction is its square
+  constexpr Real near = 0.1;      // rad; also good enough, where the potential has nothing more to give
   last_force_ = constraint_force_;
   for (const Guide& g : guides_) add_force(*this, g.acted_at, -g.force, constraint_force_);
   keep_ = 1;
   passes_ = 1;
   start_by_inertia(dt, gravity);
-  if (lower_potential(dt, gravity, most_corrections, settled)) {
+  if (lower_potential(dt, gravity, most_corrections, settled) && last_turn_ < near) {
     constraint_force_.setZero();
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     if (factor()) {

@@ -171,6 +171,7 @@ Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
 /// correction turns no beam by more than `settled` (rad), or nothing more is gained. False if a matrix cannot be factored.
 bool Rod::lower_potential(Real dt, const Vec3& gravity, int most, Real settled) {
   Real value = incremental_potential(dt, gravity);
+  last_turn_ = 0;
   for (int i = 0; i < most; ++i, ++passes_) {
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     apply_guides(dt);
@@ -180,6 +181,7 @@ bool Rod::lower_potential(Real dt, const Vec3& gravity, int most, Real settled) 
     before_velocity_ = free_velocity_;
     scratch_ = dt * correction_;
     const Real turn = largest_turn(free_, scratch_);
+    last_turn_ = turn;
     Real part = std::min(1., turn_limit / turn);
     predict_tension(free_, free_twist_, scratch_, part, false);
     Real next = value;
