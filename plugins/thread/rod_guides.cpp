@@ -13,9 +13,13 @@
 namespace sutura::thread {
 namespace {
 
-/// About what half a millimetre of thread resists with when it is bent across (192 EI / L^3): softer would not lead, much
-/// stiffer would only cost Newton corrections.
-constexpr Real guide_stiffness = 1e5;  // N/m
+/// About what three diameters of thread resist with when they are bent across (192 EI / L^3 = 0.4 E d, 1e5 N/m for 4-0
+/// polypropylene): softer would not lead, much stiffer would only cost Newton corrections. In terms of the thread itself, so that
+/// a step does not depend on the unit of length.
+Real stiffness_of_guides(const Rod& rod) {
+  const Section& thread = rod.section(rod.beams() - 1);
+  return 0.4 * thread.young * 2 * thread.radius;
+}
 
 void add_force(const Rod& rod, Real s, const Vec3& force, VecX& sum) {
   PointJacobian J;
@@ -29,18 +33,18 @@ void add_force(const Rod& rod, Real s, const Vec3& force, VecX& sum) {
 /// The springs of the guides at the free poses: to rhs_ and matrix_.
 void Rod::apply_guides(Real dt) {
   using Mat36 = Eigen::Matrix<Real, 3, 6>;
+  const Real k = stiffness_of_guides(*this);
   PointJacobian J;
   for (const Guide& g : guides_) {
     curve_jacobian(*this, g.abscissa, Configuration::free, J);
     Mat36 j[2];
-    for (int k = 0; k < 2; ++k) {
-      const bool fixed = std::find(clamped_.begin(), clamped_.end(), J.node[k]) != clamped_.end();
-      if (fixed) j[k].setZero();
-      else j[k] = J.coefficients.middleCols<6>(6 * k);
-      j[k] -= g.tangent * (g.tangent.transpose() * j[k]).eval();  // across the guide
+    for (int i = 0; i < 2; ++i) {
+      const bool fixed = std::find(clamped_.begin(), clamped_.end(), J.node[i]) != clamped_.end();
+      if (fixed) j[i].setZero();
+      else j[i] = J.coefficients.middleCols<6>(6 * i);
+      j[i] -= g.tangent * (g.tangent.transpose() * j[i]).eval();  // across the guide
     }
     const Vec3 gap = curve_point(*this, g.abscissa, Configuration::free) - g.point;
-    const Real k = guide_stiffness;
     const Index a = J.node[0];
     rhs_.segment<6>(6 * a) -= dt * k * j[0].transpose() * gap;
     rhs_.segment<6>(6 * a + 6) -= dt * k * j[1].transpose() * gap;
@@ -54,7 +58,7 @@ Real Rod::guide_energy() const {
   Real sum = 0;
   for (const Guide& g : guides_) {
     const Vec3 gap = curve_point(*this, g.abscissa, Configuration::free) - g.point;
-    sum += guide_stiffness / 2 * (gap.squaredNorm() - std::pow(gap.dot(g.tangent), 2));
+    sum += stiffness_of_guides(*this) / 2 * (gap.squaredNorm() - std::pow(gap.dot(g.tangent), 2));
   }
   return sum;
 }
@@ -79,7 +83,8 @@ bool Rod::follow_guides(Real dt, const Vec3& gravity) {
   return turn < 5 * settled;
 }
 
-/// False if the rod does not settle at its guides; the expected constraint forces are then what they were.
+/// False if the rod does not settle at its guides, as with a loose end that whips: the linear answer from there could be anything.
+/// The expected constraint forces are then what they were.
 bool Rod::guided_motion(Real dt, const Vec3& gravity) {
   last_force_ = constraint_force_;
   for (const Guide& g : guides_) add_force(*this, g.acted_at, -g.force, constraint_force_);

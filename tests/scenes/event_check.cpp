@@ -53,14 +53,17 @@ Real distance_from_event(const ConstraintProblem& p, const ConstraintBlock& b) {
                   std::abs(std::abs(d[0]) - q.stick_slip) / b.units.length);
 }
 
-/// Round by round, event sets side by side, both solvers at 1e-8.
-EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solved) {
+/// Round by round, event sets side by side, both solvers at 1e-8. `reference` is the answer that differs from `solved`.
+EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solved, const ConstraintProblem& reference) {
   using Verdict = EventCheck::Verdict;
   EventCheck out;
   ConstraintProblem a = start, b = start;
   b.lambda.setZero();
   for (ConstraintProblem* p : {&a, &b})
     for (ConstraintBlock& block : p->blocks) block.law = without_events(block.law);
+  // The block in question that comes closest to its threshold in any round: an event on the edge may decide all that follow.
+  Real nearest = INFINITY;
+  std::string name;
   for (int round = 0; round < 20; ++round) {
     const SolveReport first = BlockGaussSeidel({.tolerance = fine, .sweeps = 5000}).solve(a);
     const SolveReport second = ReferenceSolver({.tolerance = fine}).solve(b);
@@ -68,40 +71,35 @@ EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solv
       out.verdict = Verdict::unsolved;
       return out;
     }
-    bool any = false, differ = false;
-    Real nearest = INFINITY;  // to its threshold, of the blocks that differ between the two or from the scene
-    std::string name;
-    for (std::size_t i = 0; i < start.blocks.size(); ++i) {
-      Mode in_a = 0, in_b = 0;
-      const bool due_a = due(a, i, start.blocks[i].law, in_a), due_b = due(b, i, start.blocks[i].law, in_b);
-      any = any || due_a;
-      differ = differ || due_a != due_b;
-      if (start.blocks[i].law->event == nullptr) continue;
-      if (due_a != due_b || (!any && a.blocks[i].mode != solved.blocks[i].mode)) {
-        nearest = std::min(nearest, distance_from_event(a, a.blocks[i]));
-        name = start.blocks[i].law->name;
-      }
-    }
     Real apart = 0;
     for (const ConstraintBlock& block : a.blocks)
       apart = std::max(apart, (a.lambda - b.lambda).segment(block.first_row, block.law->dim).norm() / block.units.force);
     if (apart > 1e-4) {
       out.verdict = Verdict::several;
-      out.text = name + ", forces apart by " + std::to_string(apart);
+      out.text = "forces apart by " + std::to_string(apart);
       return out;
     }
-    if (differ || !any) {
-      // 10 times the tolerance of the scene's solver, 1e-5.
-      out.verdict = nearest < 1e-4 ? Verdict::undecided : Verdict::wrong;
-      out.text = name + ", from its threshold by " + std::to_string(nearest);
-      return out;
+    bool any = false;
+    for (std::size_t i = 0; i < start.blocks.size(); ++i) {
+      const LawOperations* law = start.blocks[i].law;
+      if (law->event == nullptr) continue;
+      Mode mode = 0;
+      const bool due_a = due(a, i, law, mode), due_b = due(b, i, law, mode);
+      if (due_a != due_b || solved.blocks[i].mode != reference.blocks[i].mode) {
+        const Real distance = distance_from_event(a, a.blocks[i]);
+        if (distance < nearest) nearest = distance, name = law->name;
+      }
+      any = any || due_a;
     }
+    if (!any) break;
     for (std::size_t i = 0; i < start.blocks.size(); ++i) {
       Mode mode = 0;
       if (due(a, i, start.blocks[i].law, mode)) a.blocks[i].mode = b.blocks[i].mode = mode;
     }
   }
-  out.verdict = Verdict::wrong;
+  // 10 times the tolerance of the scene's solver, 1e-5.
+  out.verdict = nearest < 1e-4 ? Verdict::undecided : Verdict::wrong;
+  out.text = name + ", from its threshold by " + std::to_string(nearest);
   return out;
 }
 
@@ -126,7 +124,7 @@ EventCheck check_events(const ConstraintProblem& start, const ConstraintProblem&
   reference.lambda.setZero();
   const SolveReport report = ReferenceSolver({.tolerance = fine}).solve(reference);
   if (!report.converged) out.verdict = EventCheck::Verdict::unsolved;
-  else if (!same_events(solved, reference)) out = explain(start, solved);
+  else if (!same_events(solved, reference)) out = explain(start, solved, reference);
   out.events = report.events;
   return out;
 }
