@@ -58,5 +58,73 @@ TEST(Loop, AdaptiveNeedsFourTimesFewerBeams) {
   }
 }
 
+/// Both ends held and moved so that the exact loop of this l fits between them.
+void hold_ends(Rod& rod, Real l) {
+  for (const int end : {0, 1}) {
+    NodeSpring& spring = rod.springs()[static_cast<std::size_t>(end)];
+    spring.active = true;
+    spring.stiffness = {.translation = 1e5, .rotation = 1};
+    spring.target = pose(end * length, l);
+    spring.target.position.x() += (2 * end - 1) * stretch(l) / 2;
+  }
+}
+
+/// Shortest and longest beam within `reach` of the middle, or (outside) beyond it.
+struct Lengths {
+  Real shortest = length, longest = 0;
+  Lengths(const Rod& rod, Real reach, bool outside) {
+    const auto& a = rod.abscissa();
+    for (Index e = 0; e < rod.beams(); ++e) {
+      const bool beyond = std::min(std::abs(a[e] - middle), std::abs(a[e + 1] - middle)) > reach;
+      if (beyond != outside) continue;
+      shortest = std::min(shortest, a[e + 1] - a[e]);
+      longest = std::max(longest, a[e + 1] - a[e]);
+    }
+  }
+};
+
+TEST(Loop, SamplingFollowsAThreadPulledTightAndLetGo) {
+  // From a 10 mm loop to 1 mm in 2 s, half a second of rest; wide again in 2 s, rest.
+  constexpr Real dt = 5e-3, wide = 10 * tight;
+  constexpr int pulling = 400, resting = 100, half = pulling + resting;
+  Rod rod = laid_out(64, wide);
+  for (const Index node : {Index{0}, rod.nodes() - 1}) rod.springs().emplace_back().node = node;
+  SamplingWork work;
+  Index most = 0;
+  int events = 0;
+  Real fastest = 0;
+  for (int i = 0; i < 2 * half; ++i) {
+    const Real part = std::min(1., static_cast<Real>(i % half) / pulling);
+    hold_ends(rod, wide + (tight - wide) * (i < half ? part : 1 - part));
+    // Shaken out of its plane all the time: the motion is one in space.
+    ASSERT_TRUE(rod.free_motion(dt, Vec3(0, 0, 0.5 * std::sin(7. * i))));
+    rod.correct(dt, VecX::Zero(rod.dofs()));
+    ASSERT_TRUE(rod.finite());
+    if (resample(rod, rules(0.2), work)) {
+      ++events;
+      EXPECT_LT(i % half, pulling + resting / 2) << "still sampling at rest";
+    }
+    most = std::max(most, rod.beams());
+    for (Index k = 0; k < rod.nodes(); ++k)
+      fastest = std::max(fastest, rod.velocity().segment<3>(6 * k).norm());
+    if (i == half - 1) {
+      // Between ends at this distance the tension goes with the square of the shortening, whose error at rest with 0.2 rad
+      // is 2e-5 (above); the shaking moves a loop of this stiffness by less.
+      EXPECT_NEAR(rod.springs()[1].applied.force.x() / tension(tight), 1, 1e-4);
+      EXPECT_LT(errors(rod, tight).height, 1e-4);
+      EXPECT_LT(errors(rod, tight).curvature, 0.01);
+      // Of 0.2 rad at most where the curvature is 1000/m.
+      EXPECT_LE(Lengths(rod, 2 * tight, false).shortest, 0.2e-3);
+      EXPECT_GT(Lengths(rod, 12 * tight, true).shortest, 4e-3);  // merged, outside it
+      EXPECT_LT(rod.beams(), 100);
+    }
+  }
+  EXPECT_GT(events, 20);
+  EXPECT_LT(most, 120);      // no runaway
+  EXPECT_LT(fastest, 0.05);  // m/s; the ends and the top move at 0.02
+  // Wide again, curvature at most 100/m: beams have merged as long as two together stayed below 0.1 rad.
+  EXPECT_GT(Lengths(rod, 2 * tight, false).shortest, 0.5e-3);
+}
+
 }  // namespace
 }  // namespace sutura::thread::loop
