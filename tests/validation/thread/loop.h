@@ -67,6 +67,19 @@ inline bool pull(Rod& rod, Real l, int* iterations = nullptr) {
   return report.converged;
 }
 
+/// Both ends held and moved so that the exact loop of this l fits between them.
+inline void hold_ends(Rod& rod, Real l) {
+  rod.springs().resize(2);
+  for (const int end : {0, 1}) {
+    NodeSpring& spring = rod.springs()[static_cast<std::size_t>(end)];
+    spring.active = true;
+    spring.node = end * rod.beams();
+    spring.stiffness = {.translation = 1e5, .rotation = 1};
+    spring.target = pose(end * length, l);
+    spring.target.position.x() += (2 * end - 1) * stretch(l) / 2;
+  }
+}
+
 inline bool resample(Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   if (!sample(rod, rules, work)) return false;
   rod.resample(work.nodes, rest, [](Real) { return braid(); });

@@ -58,17 +58,6 @@ TEST(Loop, AdaptiveNeedsFourTimesFewerBeams) {
   }
 }
 
-/// Both ends held and moved so that the exact loop of this l fits between them.
-void hold_ends(Rod& rod, Real l) {
-  for (const int end : {0, 1}) {
-    NodeSpring& spring = rod.springs()[static_cast<std::size_t>(end)];
-    spring.active = true;
-    spring.stiffness = {.translation = 1e5, .rotation = 1};
-    spring.target = pose(end * length, l);
-    spring.target.position.x() += (2 * end - 1) * stretch(l) / 2;
-  }
-}
-
 /// Shortest and longest beam within `reach` of the middle, or (outside) beyond it.
 struct Lengths {
   Real shortest = length, longest = 0;
@@ -88,7 +77,6 @@ TEST(Loop, SamplingFollowsAThreadPulledTightAndLetGo) {
   constexpr Real dt = 5e-3, wide = 10 * tight;
   constexpr int pulling = 400, resting = 100, half = pulling + resting;
   Rod rod = laid_out(64, wide);
-  for (const Index node : {Index{0}, rod.nodes() - 1}) rod.springs().emplace_back().node = node;
   SamplingWork work;
   Index most = 0;
   int events = 0;
