@@ -21,7 +21,7 @@ Real stiffness_of_guides(const Rod& rod) {
   return 0.4 * thread.young * 2 * thread.radius;
 }
 
-void add_force(const Rod& rod, Real s, const Vec3& force, VecX& sum) {
+void add_force(const Rod& rod, Real s, const Vec3& force, DofVector& sum) {
   PointJacobian J;
   curve_jacobian(rod, s, Configuration::current, J);
   for (int k = 0; k < J.nodes; ++k)

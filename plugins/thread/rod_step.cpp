@@ -8,7 +8,7 @@
 namespace sutura::thread {
 
 /// Elastic, kinetic and weight energy of one beam.
-Real Rod::beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
+Real Rod::beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const Dofs& v,
                       const Vec3& gravity) const {
   const ElementRest& r = elements_[e];
   const ElementVelocity w(v, e);
@@ -46,7 +46,7 @@ Rod::Energy Rod::free_energy(const Vec3& gravity, bool note_tension) {
 /// Tension at the end of the linear step `dv` from `poses`: the linear prediction, which is free of the
 /// second-order stretch of a finite rotation.
 void Rod::predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
-                          const VecX& step, Real factor, bool first) {
+                          const Dofs& step, Real factor, bool first) {
   ElementState s;
   Vec9 change;
   for (Index e = 0; e < beams(); ++e) {
