@@ -267,7 +267,7 @@ void ChainOperator::left_products(std::span<const RowCombination> combinations,
                                   const std::vector<Vec6>& forces, const std::vector<Vec6>& seen,
                                   const Add& add) {
   // Several forces are carried along at once: the transfers are read once for all of them.
-  constexpr std::size_t width = Panel::ColsAtCompileTime;
+  constexpr std::size_t width = Panel::RowsAtCompileTime;
   panel_.resize(force_.size());
   std::size_t slot = 0;
   for (std::size_t first = 0; first < combinations.size(); first += width) {
@@ -282,23 +282,23 @@ void ChainOperator::left_products(std::span<const RowCombination> combinations,
       const BlockRows& b = blocks_[combinations[first + j].block];
       for (int s = 0; s < b.slots; ++s, ++slot) {
         const auto a = static_cast<std::size_t>(place_[b.first_slot + static_cast<std::size_t>(s)]);
-        panel_[a].col(static_cast<Index>(j)).noalias() = chain_->own[a] * forces[slot];
+        panel_[a].row(static_cast<Index>(j)).transpose().noalias() = chain_->own[a] * forces[slot];
       }
     }
     Panel passed = Panel::Zero();
     for (Index i = top; i >= 0; --i) {
       const auto a = static_cast<std::size_t>(i);
-      Panel sum = passed + panel_[a];
+      const Panel sum = passed + panel_[a];
       panel_[a] = passed + 0.5 * panel_[a];
-      if (i > 0) passed.noalias() = chain_->transfer[a - 1] * sum;
+      if (i > 0) passed.noalias() = sum * chain_->transfer[a - 1].transpose();
     }
     std::size_t other = 0;
     for (const RowCombination& c : combinations) {
       const BlockRows& b = blocks_[c.block];
-      Eigen::Matrix<Real, 1, 4> x = Eigen::Matrix<Real, 1, 4>::Zero();
+      Eigen::Matrix<Real, 4, 1> x = Eigen::Matrix<Real, 4, 1>::Zero();
       for (int s = 0; s < b.slots; ++s, ++other) {
         const Index a = place_[b.first_slot + static_cast<std::size_t>(s)];
-        if (a <= top) x.noalias() += seen[other].transpose() * panel_[static_cast<std::size_t>(a)];
+        if (a <= top) x.noalias() += panel_[static_cast<std::size_t>(a)] * seen[other];
       }
       for (std::size_t j = 0; j < count; ++j) add(c.at, combinations[first + j].at, x[static_cast<Index>(j)]);
     }

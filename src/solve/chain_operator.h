@@ -66,7 +66,7 @@ class ChainOperator {
     std::size_t at;
     Message change;
   };
-  using Panel = Eigen::Matrix<Real, 6, 4>;
+  using Panel = Eigen::Matrix<Real, 4, 6>;  // a row per force: what is done to all of them is a vector operation
 
   void read_block(const ConstraintBlock& block, const BodyRows& rows, std::size_t& row);
   void build_tree();

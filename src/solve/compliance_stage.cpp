@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 
 #include "solve/compliance.h"
 
@@ -49,15 +50,38 @@ void ComplianceStage::run(std::span<const Body* const> bodies, ConstraintProblem
       bodies[i]->add_compliance(problem.bodies[i], dt, problem.W);
 }
 
-/// Multiplications, in the two forms, of what differs between them.
+/// Expected multiplications, in the two forms, of all that differs between them (docs/theory/solver.md). A count and not
+/// a time: a run must not depend on the machine.
 void ComplianceStage::count(const ConstraintProblem& problem, std::size_t body, const SolveReport& last,
-                            ComplianceReport& report) {
+                            ComplianceReport& report) const {
   const BodyRows& rows = problem.bodies[body];
   const Real t = static_cast<Real>(problem.chains[body].size()), r = static_cast<Real>(rows.size()),
-             entries = static_cast<Real>(rows.node.size());
-  report.assembled_count = r * 18 * t + 3 * r * entries;
-  report.operator_count = 2 * report.assembled_count;
-  (void)last;
+             entries = static_cast<Real>(rows.node.size()), nodes = entries / r;
+  // Blocks of this body, and the rows of a dense W without and with it.
+  Real blocks = 0, without = static_cast<Real>(always_), with = without;
+  Index before = -1;
+  std::size_t block = 0;
+  for (const Index row : rows.row) {
+    while (block + 1 < problem.blocks.size() && problem.blocks[block + 1].first_row <= row) ++block;
+    if (static_cast<Index>(block) != before) ++blocks;
+    before = static_cast<Index>(block);
+    if (!in_W_[static_cast<std::size_t>(row)]) ++with;
+  }
+  const Real dense = with * with - without * without;  // one look at what this body adds to W
+  // What the solve will do, if it is like the last one: at least one look at the residual.
+  const Real sweeps = static_cast<Real>(last.sweeps), looks = 1 + 2 * static_cast<Real>(last.direct_solves),
+             matrices = static_cast<Real>(last.factorisations);
+
+  // All pairs of rows: every force is carried to the first node, every row looks at every other.
+  const Real pairs = r * 18 * t + 3 * r * entries;
+  report.assembled_count = pairs + (sweeps + looks + 1.5 * matrices) * dense;
+
+  const Real levels = std::bit_width(std::bit_ceil(std::max(static_cast<std::uint64_t>(t), std::uint64_t{1}))) - 1;
+  const Real product = 144 * t + 12 * entries;
+  const Real visit = 72 * levels + 72 * (nodes - 1) + 144 * nodes;
+  const Real tree = sweeps > 0 ? 216 * t : 0;
+  report.operator_count = (72 * nodes * r + tree) + sweeps * (blocks * visit + 12 * entries + product + 144 * t) +
+                          looks * product + matrices * pairs;
 }
 
 }  // namespace sutura

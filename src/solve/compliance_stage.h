@@ -17,7 +17,7 @@ class ComplianceStage {
            const SolveReport& last, std::span<ComplianceReport> reports);
 
  private:
-  void count(const ConstraintProblem& problem, std::size_t body, const SolveReport& last, ComplianceReport& report);
+  void count(const ConstraintProblem& problem, std::size_t body, const SolveReport& last, ComplianceReport& report) const;
 
   ChainOperator chain_;
   std::vector<char> in_W_;               // per row: in W whatever chains become

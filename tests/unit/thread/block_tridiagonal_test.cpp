@@ -72,7 +72,9 @@ TEST(BlockTridiagonal, CondensedBlocksAreThoseOfTheInverse) {
     std::vector<Mat6> own, transfer;
     c.matrix.condense(nodes, own, transfer);
     ASSERT_EQ(own.size(), nodes.size());
-    if (!nodes.empty()) EXPECT_EQ(transfer.back().norm(), 0);
+    if (!nodes.empty()) {
+      EXPECT_EQ(transfer.back().norm(), 0);
+    }
     for (std::size_t j = 0; j < nodes.size(); ++j) {
       Mat6 block = own[j];
       for (std::size_t i = j + 1; i-- > 0;) {
