@@ -14,13 +14,13 @@ namespace {
 
 using house::TemporaryFolder;
 
-struct Run {
+struct FormRun {
   Table table;
   std::string text;
 };
 
 /// Until the needle is through the skin and half way along its channel.
-Run run_with(const std::string& form) {
+FormRun run_with(const std::string& form) {
   const TemporaryFolder folder("mixed_compliance_" + form);
   std::ifstream in(SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml");
   std::stringstream text;
@@ -37,7 +37,7 @@ Run run_with(const std::string& form) {
 }
 
 TEST(MixedCompliance, AStitchDoesNotDependOnTheForm) {
-  const Run assembled = run_with("assembled"), mixed = run_with("operator");
+  const FormRun assembled = run_with("assembled"), mixed = run_with("operator");
   ASSERT_EQ(assembled.table.rows.size(), 131u);
   ASSERT_EQ(mixed.table.rows.size(), 131u);
   EXPECT_NE(assembled.text.find("compliance of /suture: operator in 0 of"), std::string::npos) << assembled.text;
@@ -51,7 +51,7 @@ TEST(MixedCompliance, AStitchDoesNotDependOnTheForm) {
                                             "suture.tip_position.z [m]", "skin/tissue.max_displacement [m]"};
   std::size_t contact = 0, pierced = 0;
   for (std::size_t i = 0; i < assembled.table.rows.size(); ++i) {
-    const auto at = [&](const Run& r, const std::string& column) { return r.table.number(i, column); };
+    const auto at = [&](const FormRun& r, const std::string& column) { return r.table.number(i, column); };
     if (contact == 0 && at(assembled, "puncture.force [N]") > 0) {
       // The first step with rows starts from the same bits: only the solve differs, in its rounding. The system of a step
       // is conditioned like 1e7 at worst.
