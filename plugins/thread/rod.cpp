@@ -45,7 +45,7 @@ void Rod::build(const RodLayout& layout) {
   }
   twist_.assign(n - 1, 0);
   free_twist_ = tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &before_velocity_, &correction_,
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &rhs_, &scratch_, &before_velocity_, &correction_,
                   &constraint_force_}) {
     v->setZero(dofs());
   }

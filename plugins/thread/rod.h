@@ -60,7 +60,11 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   VecX& velocity() { return velocity_; }
   const VecX& velocity() const { return velocity_; }
+  /// Where constraints are expected to hold the rod at the end of the next step; emptied by it.
+  std::vector<Guide>& guides() { return guides_; }
   const VecX& free_velocity() const { return free_velocity_; }
+  /// Free motion less the motion that it was linearised about, whose poses are Configuration::free.
+  const VecX& free_correction() const { return free_correction_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
@@ -109,6 +113,11 @@ class Rod {
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                    std::vector<Real>& twist, const VecX& v, bool first);
   bool expected_motion(Real dt, const Vec3& gravity);
+  void start_by_inertia(Real dt, const Vec3& gravity);
+  bool guided_motion(Real dt, const Vec3& gravity);
+  void apply_guides(Real dt);
+  Real guide_energy() const;  ///< of their springs at the free poses
+  bool lower_potential(Real dt, const Vec3& gravity, int most, Real settled);
   bool linearise_ahead(Real dt, const Vec3& gravity);
   bool linearise_here(Real dt, const Vec3& gravity);
   void answer(const VecX& force);
@@ -144,8 +153,9 @@ class Rod {
   std::vector<Pose> rest_, pose_, free_;
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
+  std::vector<Guide> guides_;
   VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
-  VecX velocity_, free_velocity_, rhs_, scratch_, before_velocity_, correction_;
+  VecX velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;

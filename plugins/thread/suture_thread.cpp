@@ -113,15 +113,15 @@ void SutureThread::resample() {
   rod_.resample(sampling_work_.nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
 }
 
-/// After free motion: along the velocity, not where the nodes are. Without its constraints a taut thread may turn by a
-/// radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
+/// After free motion: where the linear answer puts it, not the curve through the free poses. Without its constraints a taut thread
+/// may turn by a radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
 Vec3 SutureThread::point(Real s, Configuration c) const {
   if (c != Configuration::free) return curve_point(rod_, s, c);
   PointJacobian J;
-  curve_jacobian(rod_, s, J);
-  Vec3 point = curve_point(rod_, s, Configuration::current);
+  curve_jacobian(rod_, s, Configuration::free, J);
+  Vec3 point = curve_point(rod_, s, Configuration::free);
   for (int k = 0; k < J.nodes; ++k) {
-    point += dt_ * J.coefficients.middleCols<6>(6 * k) * rod_.free_velocity().segment<6>(6 * J.node[k]);
+    point += dt_ * J.coefficients.middleCols<6>(6 * k) * rod_.free_correction().segment<6>(6 * J.node[k]);
   }
   return point;
 }
@@ -131,7 +131,7 @@ Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
 }
 
 void SutureThread::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
-  curve_jacobian(rod_, p.weights[0], out);
+  curve_jacobian(rod_, p.weights[0], Configuration::free, out);
 }
 
 void SutureThread::solve(Eigen::Ref<MatX> columns) const {

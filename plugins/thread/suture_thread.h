@@ -58,6 +58,7 @@ class SutureThread : public Component, public CurveBody {
                         Configuration c) const override {
     return curve_closest(rod_, p, guess, low, high, c);
   }
+  void expect(const Guide& guide) override { rod_.guides().push_back(guide); }
   Index add_hold(Real s) override;
   void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
   void release_hold(Index hold) override;
