@@ -67,7 +67,8 @@ ChainProblem chain_problem(Index nodes, const ChainRows& rows, std::mt19937_64& 
     for (Index e = H.start[i]; e < H.start[i + 1]; ++e) {
       const Index node = H.node[static_cast<std::size_t>(e)];
       if (rows.clamped.contains(node)) continue;
-      for (int c = 0; c < 6; ++c) dense(H.row[i], 6 * node + c) += H.value[static_cast<std::size_t>(6 * e + c)];
+      for (int c = 0; c < 6; ++c)
+        dense(H.row[i], 6 * node + c) += H.value[static_cast<std::size_t>(6 * e + c)];
     }
   out.W = dense * G * dense.transpose();
 

@@ -14,9 +14,10 @@ struct ThreadPathOptions {
   Index beams = 200;   ///< of 1 mm
   Index samples = 50;  ///< one per beam, three rows each: two across, one of friction
   Index first_beam = 20;
-  bool tissue = true;  ///< every sample is also coupled to something assembled, 0.01 m/N falling off over 5 samples
-  Real pull = 0.1;     ///< N, on the end of the thread
-  Real dt = 0.01;      ///< s
+  bool tissue =
+      true;  ///< every sample is also coupled to something assembled, 0.01 m/N falling off over 5 samples
+  Real pull = 0.1;  ///< N, on the end of the thread
+  Real dt = 0.01;   ///< s
 };
 
 /// Stands for the tissue: only its W matters here.
@@ -69,12 +70,15 @@ class ThreadPath {
     builder.begin();
     for (Index i = 0; i < options_.samples; ++i) {
       PointJacobian J, at_tissue;
-      const Real s = 1e-3 * (static_cast<Real>(options_.first_beam + i) + 0.3 + 0.4 * static_cast<Real>(i % 2));
+      const Real s = 1e-3 * (static_cast<Real>(options_.first_beam + i) + 0.3 +
+                             0.4 * static_cast<Real>(i % 2));
       thread.jacobian(thread.embed(s), J);
       tissue_.jacobian({}, at_tissue);
-      Vec3 gap = 2e-5 * Vec3(std::sin(7. * static_cast<Real>(i)), std::sin(5. * static_cast<Real>(i)), 0);
+      Vec3 gap =
+          2e-5 * Vec3(std::sin(7. * static_cast<Real>(i)), std::sin(5. * static_cast<Real>(i)), 0);
       for (int k = 0; k < J.nodes; ++k)
-        gap += J.coefficients.middleCols<6>(6 * k) * moved_.segment<6>(6 * J.node[static_cast<std::size_t>(k)]);
+        gap += J.coefficients.middleCols<6>(6 * k) *
+               moved_.segment<6>(6 * J.node[static_cast<std::size_t>(k)]);
       const Eigen::Matrix<Real, 2, 3> across = Mat3::Identity().bottomRows<2>();
       const Eigen::Matrix<Real, 1, 3> along = Mat3::Identity().topRows<1>();
       const BlockId hold = builder.add<Bilateral<2>>(make_key(1, static_cast<std::uint64_t>(2 * i)),
@@ -98,7 +102,8 @@ class ThreadPath {
 
   thread::SutureThread thread;
   std::vector<const Body*> bodies;
-  SolveReport last{.sweeps = 1, .factorisations = 1};  ///< what the choice of form expects of the solve
+  SolveReport last{.sweeps = 1,
+                   .factorisations = 1};  ///< what the choice of form expects of the solve
   ComplianceReport report;
 
  private:

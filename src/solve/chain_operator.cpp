@@ -28,12 +28,14 @@ void ChainOperator::prepare(const ConstraintProblem& problem, const ChainComplia
 }
 
 /// The rows of one block, from `row` on: their coefficients by node, nodes in the order of the chain.
-void ChainOperator::read_block(const ConstraintBlock& block, const BodyRows& rows, std::size_t& row) {
+void ChainOperator::read_block(const ConstraintBlock& block, const BodyRows& rows,
+                               std::size_t& row) {
   BlockRows out{block.first_row, block.law->dim, 0, place_.size(), value_.size()};
   const auto dim = static_cast<std::size_t>(out.dim);
   for (; row < rows.row.size() && rows.row[row] < block.first_row + block.law->dim; ++row) {
     const auto k = static_cast<std::size_t>(rows.row[row] - block.first_row);
-    for (auto e = static_cast<std::size_t>(rows.start[row]); e < static_cast<std::size_t>(rows.start[row + 1]); ++e) {
+    for (auto e = static_cast<std::size_t>(rows.start[row]);
+         e < static_cast<std::size_t>(rows.start[row + 1]); ++e) {
       const auto node = static_cast<std::size_t>(rows.node[e]);
       const Index place = node < place_of_node_.size() ? place_of_node_[node] : -1;
       if (place < 0) continue;  // cannot move
@@ -42,7 +44,8 @@ void ChainOperator::read_block(const ConstraintBlock& block, const BodyRows& row
       const auto slot = static_cast<std::size_t>(found - begin);
       if (found == place_.end() || *found != place) {
         place_.insert(found, place);
-        value_.insert(value_.begin() + static_cast<std::ptrdiff_t>(out.first_value + slot * dim), dim, Vec6::Zero());
+        value_.insert(value_.begin() + static_cast<std::ptrdiff_t>(out.first_value + slot * dim),
+                      dim, Vec6::Zero());
         ++out.slots;
       }
       value_[out.first_value + slot * dim + k] += Eigen::Map<const Vec6>(&rows.value[6 * e]);
@@ -61,7 +64,8 @@ void ChainOperator::add_diagonal(std::size_t block, Real* W) {
   for (int s = b.slots; s-- > 0;) {
     const Index a = place_[b.first_slot + static_cast<std::size_t>(s)];
     const Vec6* h = &value_[b.first_value + static_cast<std::size_t>(s) * dim];
-    for (std::size_t k = 0; k < dim; ++k) own[k].noalias() = chain_->own[static_cast<std::size_t>(a)] * h[k];
+    for (std::size_t k = 0; k < dim; ++k)
+      own[k].noalias() = chain_->own[static_cast<std::size_t>(a)] * h[k];
     for (std::size_t l = 0; l < dim; ++l)
       for (std::size_t k = 0; k <= l; ++k) {
         const Real w = h[k].dot(own[l]) + (h[k].dot(left[l]) + h[l].dot(left[k]));
@@ -102,8 +106,8 @@ void ChainOperator::multiply(const VecX& lambda, VecX& delta) {
     const Vec6* h = value_.data() + b.first_value;
     for (int s = 0; s < b.slots; ++s)
       for (int k = 0; k < b.dim; ++k, ++h)
-        delta[b.first_row + k] +=
-            h->dot(motion_[static_cast<std::size_t>(place_[b.first_slot + static_cast<std::size_t>(s)])]);
+        delta[b.first_row + k] += h->dot(
+            motion_[static_cast<std::size_t>(place_[b.first_slot + static_cast<std::size_t>(s)])]);
   }
   products_ += static_cast<Index>(4 * t);
 }
@@ -115,15 +119,19 @@ void ChainOperator::build_tree() {
   const auto t = force_.size();
   across_.resize(2 * leaves_);
   for (std::size_t a = 0; a < leaves_; ++a) {
-    if (a < t) across_[leaves_ + a] = chain_->transfer[a];
-    else across_[leaves_ + a].setZero();
+    if (a < t)
+      across_[leaves_ + a] = chain_->transfer[a];
+    else
+      across_[leaves_ + a].setZero();
   }
   // Beyond the last node there is nothing: a stretch that holds it passes nothing on.
   std::size_t first = leaves_, width = 1;  // of the children's level
   for (std::size_t s = leaves_; s-- > 1;) {
     if (2 * s < first) first /= 2, width *= 2;
-    if ((2 * s + 2 - first) * width >= t) across_[s].setZero();
-    else across_[s].noalias() = across_[2 * s] * across_[2 * s + 1];
+    if ((2 * s + 2 - first) * width >= t)
+      across_[s].setZero();
+    else
+      across_[s].noalias() = across_[2 * s] * across_[2 * s + 1];
   }
 }
 
@@ -136,7 +144,8 @@ void ChainOperator::carry(Index from, Index to, Vec6& v) {
   };
   if (to - from == 1) return apply(chain_->transfer[static_cast<std::size_t>(from)]);
   // Whole stretches from the right end inwards, then those of the left end from inside out.
-  std::size_t l = leaves_ + static_cast<std::size_t>(from), r = leaves_ + static_cast<std::size_t>(to);
+  std::size_t l = leaves_ + static_cast<std::size_t>(from),
+              r = leaves_ + static_cast<std::size_t>(to);
   std::size_t left[64];
   int lefts = 0;
   for (; l < r; l /= 2, r /= 2) {
@@ -231,8 +240,10 @@ void ChainOperator::add_force(std::size_t block, const Real* change) {
     std::size_t kept = 0;
     for (const Climb& c : climb_) {
       Climb up{c.at / 2, c.change};
-      if (c.at & 1) up.change.motion.noalias() = across_[c.at - 1] * c.change.motion;
-      else up.change.force.noalias() = across_[c.at + 1].transpose() * c.change.force;
+      if (c.at & 1)
+        up.change.motion.noalias() = across_[c.at - 1] * c.change.motion;
+      else
+        up.change.force.noalias() = across_[c.at + 1].transpose() * c.change.force;
       ++products_;
       if (kept > 0 && climb_[kept - 1].at == up.at) {
         climb_[kept - 1].change.force += up.change.force;
@@ -275,7 +286,8 @@ void ChainOperator::left_products(std::span<const RowCombination> combinations,
     Index top = -1;
     for (std::size_t j = first; j < first + count; ++j) {
       const BlockRows& b = blocks_[combinations[j].block];
-      if (b.slots > 0) top = std::max(top, place_[b.first_slot + static_cast<std::size_t>(b.slots) - 1]);
+      if (b.slots > 0)
+        top = std::max(top, place_[b.first_slot + static_cast<std::size_t>(b.slots) - 1]);
     }
     for (Index a = 0; a <= top; ++a) panel_[static_cast<std::size_t>(a)].setZero();
     for (std::size_t j = 0; j < count; ++j) {
@@ -300,7 +312,8 @@ void ChainOperator::left_products(std::span<const RowCombination> combinations,
         const Index a = place_[b.first_slot + static_cast<std::size_t>(s)];
         if (a <= top) x.noalias() += panel_[static_cast<std::size_t>(a)] * seen[other];
       }
-      for (std::size_t j = 0; j < count; ++j) add(c.at, combinations[first + j].at, x[static_cast<Index>(j)]);
+      for (std::size_t j = 0; j < count; ++j)
+        add(c.at, combinations[first + j].at, x[static_cast<Index>(j)]);
     }
   }
 }

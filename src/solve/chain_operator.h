@@ -24,10 +24,12 @@ struct RowCombination {
   Index at;  ///< row and column in the matrix of products
 };
 
+/// Used in this order: prepare; diagonal and products, any time; multiply, begin_sweep, visits; multiply again.
 class ChainOperator {
  public:
   /// Takes the chain of this step (kept by reference) and the rows H of its body.
-  void prepare(const ConstraintProblem& problem, const ChainCompliance& chain, const BodyRows& rows);
+  void prepare(const ConstraintProblem& problem, const ChainCompliance& chain,
+               const BodyRows& rows);
   bool touches(std::size_t block) const { return blocks_[block].slots > 0; }
 
   /// W += the block of W_chain on the diagonal; dim x dim, column major.
@@ -36,7 +38,8 @@ class ChainOperator {
   void multiply(const VecX& lambda, VecX& delta);
   /// matrix(at_i, at_j) += test_i^T W_chain move_j over all pairs. `symmetric` says that test = move everywhere and asks
   /// for the lower triangle only, at_i >= at_j.
-  void add_products(std::span<const RowCombination> combinations, bool symmetric, Eigen::Ref<MatX> matrix);
+  void add_products(std::span<const RowCombination> combinations, bool symmetric,
+                    Eigen::Ref<MatX> matrix);
 
   /// The lower triangle of W += that of W_chain.
   void add_lower_triangle(Eigen::Ref<MatX> W);
@@ -66,13 +69,15 @@ class ChainOperator {
     std::size_t at;
     Message change;
   };
-  using Panel = Eigen::Matrix<Real, 4, 6>;  // a row per force: what is done to all of them is a vector operation
+  // A row per force: what is done to all of them is a vector operation.
+  using Panel = Eigen::Matrix<Real, 4, 6>;
 
   void read_block(const ConstraintBlock& block, const BodyRows& rows, std::size_t& row);
   void build_tree();
   /// v <- transfer[from] ... transfer[to - 1] v.
   void carry(Index from, Index to, Vec6& v);
-  void combine(std::span<const RowCombination> combinations, bool moves, std::vector<Vec6>& vectors) const;
+  void combine(std::span<const RowCombination> combinations, bool moves,
+               std::vector<Vec6>& vectors) const;
   /// Half of the products: what reaches nodes on the left of a force, and half of the force's own node.
   template <class Add>
   void left_products(std::span<const RowCombination> combinations, const std::vector<Vec6>& forces,
@@ -80,11 +85,11 @@ class ChainOperator {
 
   const ChainCompliance* chain_ = nullptr;
   std::vector<BlockRows> blocks_;
-  std::vector<Index> place_;         // per slot: index into the touched nodes
-  std::vector<Vec6> value_;          // coefficients of H
-  std::vector<Index> place_of_node_; // -1 outside of prepare
+  std::vector<Index> place_;          // per slot: index into the touched nodes
+  std::vector<Vec6> value_;           // coefficients of H
+  std::vector<Index> place_of_node_;  // -1 outside of prepare
 
-  std::vector<Vec6> force_, motion_; // F and u, per touched node
+  std::vector<Vec6> force_, motion_;  // F and u, per touched node
 
   // The tree: stretch 1 is all, 2 s and 2 s + 1 are the halves of s, leaves_ + a is the single node a.
   std::size_t leaves_ = 1;

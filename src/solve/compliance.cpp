@@ -19,7 +19,8 @@ void Compliance::prepare(const ConstraintProblem& problem) {
       if (!problem.chains[i].empty()) continue;
       std::size_t block = 0;
       for (const Index row : problem.bodies[i].row) {
-        while (block + 1 < problem.blocks.size() && problem.blocks[block + 1].first_row <= row) ++block;
+        while (block + 1 < problem.blocks.size() && problem.blocks[block + 1].first_row <= row)
+          ++block;
         in_W_[block] = true;
       }
     }
@@ -50,7 +51,8 @@ void Compliance::update_delta(ConstraintProblem& problem) {
     return;
   }
   delta.segment(first_row_, rows_).noalias() +=
-      problem.W.block(first_row_, first_row_, rows_, rows_) * problem.lambda.segment(first_row_, rows_);
+      problem.W.block(first_row_, first_row_, rows_, rows_) *
+      problem.lambda.segment(first_row_, rows_);
   assembled_delta_ = delta;
   for (std::size_t o = 0; o < operators_; ++o) chains_[o].multiply(problem.lambda, delta);
 }
@@ -89,8 +91,8 @@ void Compliance::end_sweep(ConstraintProblem& problem) {
 }
 
 void Compliance::add_assembled_products(const ConstraintProblem& problem,
-                                        std::span<const RowCombination> combinations, bool symmetric,
-                                        Eigen::Ref<MatX> matrix) {
+                                        std::span<const RowCombination> combinations,
+                                        bool symmetric, Eigen::Ref<MatX> matrix) {
   const Index n = problem.rows();
   if (column_.size() < n) column_.resize(n);
   auto w = column_.head(n);
@@ -113,16 +115,19 @@ void Compliance::add_assembled_products(const ConstraintProblem& problem,
       if (cj.move[k] != 0) w += cj.move[k] * problem.W.col(bj.first_row + k);
     for (std::size_t i = symmetric ? j : 0; i < combinations.size(); ++i) {
       Real g = 0;
-      for (std::size_t e = first_weight_[i]; e < first_weight_[i + 1]; ++e) g += weights_[e].value * w[weights_[e].row];
+      for (std::size_t e = first_weight_[i]; e < first_weight_[i + 1]; ++e)
+        g += weights_[e].value * w[weights_[e].row];
       matrix(combinations[i].at, cj.at) += g;
     }
   }
 }
 
-void Compliance::add_products(const ConstraintProblem& problem, std::span<const RowCombination> combinations,
-                              bool symmetric, Eigen::Ref<MatX> matrix) {
+void Compliance::add_products(const ConstraintProblem& problem,
+                              std::span<const RowCombination> combinations, bool symmetric,
+                              Eigen::Ref<MatX> matrix) {
   add_assembled_products(problem, combinations, symmetric, matrix);
-  for (std::size_t o = 0; o < operators_; ++o) chains_[o].add_products(combinations, symmetric, matrix);
+  for (std::size_t o = 0; o < operators_; ++o)
+    chains_[o].add_products(combinations, symmetric, matrix);
 }
 
 void mirror_lower_triangle(MatX& W) {

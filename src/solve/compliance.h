@@ -1,5 +1,6 @@
-// What the solvers ask of W, whatever it is made of: assembled bodies in problem.W, chains as operators. One scene mixes them. No virtual
-// call: a problem without operators takes the columns of W as they lie, one with operators asks those few in turn.
+// What the solvers ask of W, whatever it is made of: assembled bodies in problem.W, chains as operators. One scene mixes
+// them. No virtual call: a problem without operators takes the columns of W as they lie, one with operators asks those few in
+// turn.
 #pragma once
 
 #include <span>
@@ -38,13 +39,14 @@ class Compliance {
   std::span<const ChainOperator> operators() const { return {chains_.data(), operators_}; }
 
  private:
-  void add_assembled_products(const ConstraintProblem& problem, std::span<const RowCombination> combinations,
-                              bool symmetric, Eigen::Ref<MatX> matrix);
+  void add_assembled_products(const ConstraintProblem& problem,
+                              std::span<const RowCombination> combinations, bool symmetric,
+                              Eigen::Ref<MatX> matrix);
 
   std::vector<Real> diagonal_;
   std::vector<std::size_t> offset_;
-  std::vector<char> in_W_;           // per block: some assembled body has rows of it
-  Index first_row_ = 0, rows_ = 0;   // outside of which W is zero
+  std::vector<char> in_W_;             // per block: some assembled body has rows of it
+  Index first_row_ = 0, rows_ = 0;     // outside of which W is zero
   std::vector<ChainOperator> chains_;  // the first operators_ are those of this problem
   std::size_t operators_ = 0;
   VecX assembled_delta_, column_;

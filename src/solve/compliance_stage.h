@@ -13,15 +13,16 @@ class ComplianceStage {
  public:
   /// Fills problem.W and problem.chains. `last`: how the step before was solved, from which the cost of this one is
   /// expected. `reports`: one per body.
-  void run(std::span<const Body* const> bodies, ConstraintProblem& problem, Real dt, ComplianceForm form,
-           const SolveReport& last, std::span<ComplianceReport> reports);
+  void run(std::span<const Body* const> bodies, ConstraintProblem& problem, Real dt,
+           ComplianceForm form, const SolveReport& last, std::span<ComplianceReport> reports);
 
  private:
-  void count(const ConstraintProblem& problem, std::size_t body, const SolveReport& last, ComplianceReport& report) const;
+  void count(const ConstraintProblem& problem, std::size_t body, const SolveReport& last,
+             ComplianceReport& report) const;
 
   ChainOperator chain_;
-  std::vector<char> in_W_;               // per row: in W whatever chains become
-  Index always_ = 0;                     // how many of those
+  std::vector<char> in_W_;  // per row: in W whatever chains become
+  Index always_ = 0;        // how many of those
 };
 
 }  // namespace sutura

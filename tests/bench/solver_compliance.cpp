@@ -19,7 +19,8 @@ Real best_time(const std::function<void()>& f) {
   for (int round = 0; round < 200 && (round < 5 || spent < 2e4); ++round) {
     const auto before = std::chrono::steady_clock::now();
     f();
-    const Real us = std::chrono::duration<Real, std::micro>(std::chrono::steady_clock::now() - before).count();
+    const Real us =
+        std::chrono::duration<Real, std::micro>(std::chrono::steady_clock::now() - before).count();
     best = std::min(best, us);
     spent += us;
   }
@@ -39,7 +40,8 @@ Cost measure(const test::ThreadPathOptions& options, ComplianceForm form) {
   std::vector<ComplianceReport> reports(2);
   ComplianceStage stage;
   Cost cost;
-  cost.compliance = best_time([&] { stage.run(path.bodies, problem, options.dt, form, {}, reports); });
+  cost.compliance =
+      best_time([&] { stage.run(path.bodies, problem, options.dt, form, {}, reports); });
 
   Compliance compliance;
   cost.prepare = best_time([&] { compliance.prepare(problem); });
@@ -54,12 +56,15 @@ Cost measure(const test::ThreadPathOptions& options, ComplianceForm form) {
     for (const std::size_t i : order) {
       Real delta[max_block_dim];
       compliance.displacement(problem, i, delta);
-      for (int k = 0; k < problem.blocks[i].law->dim; ++k) delta[k] = 1e-9 * std::copysign(1, delta[k]);
+      for (int k = 0; k < problem.blocks[i].law->dim; ++k)
+        delta[k] = 1e-9 * std::copysign(1, delta[k]);
       compliance.add_change(problem, i, delta);
     }
     compliance.end_sweep(problem);
   };
-  const auto products = [&] { return compliance.has_operators() ? compliance.operators()[0].products() : 0; };
+  const auto products = [&] {
+    return compliance.has_operators() ? compliance.operators()[0].products() : 0;
+  };
   const Index before = products();
   sweep();
   cost.products = products() - before;
@@ -76,7 +81,8 @@ Cost measure(const test::ThreadPathOptions& options, ComplianceForm form) {
     compliance.add_products(problem, all, true, G);
   });
   cost.solve = 0;
-  if (!options.tissue) return cost;  // a thread that nothing holds but its own path: no problem of a step
+  if (!options.tissue)
+    return cost;  // a thread that nothing holds but its own path: no problem of a step
   // From the forces of a slightly smaller pull, as in the step after.
   BlockGaussSeidel solver;
   const VecX d_free = problem.d_free;
@@ -95,10 +101,11 @@ Cost measure(const test::ThreadPathOptions& options, ComplianceForm form) {
 
 bool bench_compliance(const std::filesystem::path& out) {
   std::ofstream csv(out / "solver_compliance.csv");
-  csv << "beams,rows,tissue,form,compliance us,prepare us,sweep us,product us,system us,warm solve us,sweeps,direct,"
+  csv << "beams,rows,tissue,form,compliance us,prepare us,sweep us,product us,system us,warm solve "
+         "us,sweeps,direct,"
          "factorisations,residual,6x6 products per sweep\n";
-  std::printf("%6s %6s %7s %-10s %10s %8s %8s %8s %8s %10s   (us)\n", "beams", "rows", "tissue", "form", "compliance",
-              "prepare", "sweep", "product", "system", "warm solve");
+  std::printf("%6s %6s %7s %-10s %10s %8s %8s %8s %8s %10s   (us)\n", "beams", "rows", "tissue",
+              "form", "compliance", "prepare", "sweep", "product", "system", "warm solve");
   for (const bool tissue : {false, true})
     for (const Index beams : {200, 1000, 5000})
       for (const Index rows : {30, 60, 150, 300, 450, 600, 1200, 2400})
@@ -106,13 +113,16 @@ bool bench_compliance(const std::filesystem::path& out) {
           if (rows / 3 + 30 > beams || (rows > 600 && (tissue || beams < 5000))) continue;
           const Cost c = measure({.beams = beams, .samples = rows / 3, .tissue = tissue}, form);
           const char* name = form == ComplianceForm::assembled ? "assembled" : "operator";
-          csv << beams << ',' << rows << ',' << tissue << ',' << name << ',' << c.compliance << ',' << c.prepare << ','
-              << c.sweep << ',' << c.product << ',' << c.system << ',' << c.solve << ',' << c.report.sweeps << ','
-              << c.report.direct_solves << ',' << c.report.factorisations << ',' << c.report.residual << ','
-              << c.products << '\n';
-          std::printf("%6td %6td %7d %-10s %10.1f %8.1f %8.2f %8.2f %8.1f %10.1f   %td sweeps %td direct %td matrices, %.1e\n", beams,
-                      rows, tissue, name, c.compliance, c.prepare, c.sweep, c.product, c.system, c.solve,
-                      c.report.sweeps, c.report.direct_solves, c.report.factorisations, c.report.residual);
+          csv << beams << ',' << rows << ',' << tissue << ',' << name << ',' << c.compliance << ','
+              << c.prepare << ',' << c.sweep << ',' << c.product << ',' << c.system << ','
+              << c.solve << ',' << c.report.sweeps << ',' << c.report.direct_solves << ','
+              << c.report.factorisations << ',' << c.report.residual << ',' << c.products << '\n';
+          std::printf(
+              "%6td %6td %7d %-10s %10.1f %8.1f %8.2f %8.2f %8.1f %10.1f   %td sweeps %td direct "
+              "%td matrices, %.1e\n",
+              beams, rows, tissue, name, c.compliance, c.prepare, c.sweep, c.product, c.system,
+              c.solve, c.report.sweeps, c.report.direct_solves, c.report.factorisations,
+              c.report.residual);
         }
   return static_cast<bool>(csv);
 }

@@ -75,10 +75,12 @@ class ChainOperatorTest : public ::testing::Test {
 
 TEST_F(ChainOperatorTest, MultipliesByW) {
   for_all([](ChainProblem& c, ChainOperator& op, std::mt19937_64& random) {
-    const VecX lambda = random_vector(c.W.rows(), random), start = random_vector(c.W.rows(), random);
+    const VecX lambda = random_vector(c.W.rows(), random),
+               start = random_vector(c.W.rows(), random);
     VecX delta = start;
     op.multiply(lambda, delta);
-    EXPECT_LT((delta - start - c.W * lambda).lpNorm<Eigen::Infinity>(), tolerance * c.W.norm() * lambda.norm());
+    EXPECT_LT((delta - start - c.W * lambda).lpNorm<Eigen::Infinity>(),
+              tolerance * c.W.norm() * lambda.norm());
   });
 }
 
@@ -88,7 +90,8 @@ TEST_F(ChainOperatorTest, GivesTheDiagonalBlocks) {
       const Index row = c.problem.blocks[i].first_row;
       Mat3 block = Mat3::Constant(2);
       op.add_diagonal(i, block.data());
-      EXPECT_LT((block - Mat3::Constant(2) - c.W.block<3, 3>(row, row)).norm(), tolerance * (c.W.norm() + 1));
+      EXPECT_LT((block - Mat3::Constant(2) - c.W.block<3, 3>(row, row)).norm(),
+                tolerance * (c.W.norm() + 1));
       EXPECT_EQ(op.touches(i), (c.W.block<3, 3>(row, row).norm() > 0));
     }
   });
@@ -105,7 +108,8 @@ TEST_F(ChainOperatorTest, FollowsChangesOfForceInAnyOrder) {
       const Index row = c.problem.blocks[i].first_row;
       Vec3 here = Vec3::Zero();
       op.add_displacement(i, here.data());
-      EXPECT_LT((here - c.W.middleRows<3>(row) * lambda).norm(), tolerance * c.W.norm() * lambda.norm());
+      EXPECT_LT((here - c.W.middleRows<3>(row) * lambda).norm(),
+                tolerance * c.W.norm() * lambda.norm());
       const Vec3 change = random_vector(3, random);
       op.add_force(i, change.data());
       lambda.segment<3>(row) += change;

@@ -16,7 +16,8 @@ namespace {
 constexpr Real rounding = 1e-11;
 
 VecX iterate(ConstraintProblem problem, Acceleration acceleration, Index sweeps) {
-  BlockGaussSeidel({.tolerance = 1e-14, .sweeps = sweeps, .acceleration = acceleration}).solve(problem);
+  BlockGaussSeidel({.tolerance = 1e-14, .sweeps = sweeps, .acceleration = acceleration})
+      .solve(problem);
   return problem.lambda;
 }
 
@@ -49,7 +50,8 @@ TEST(MixedCompliance, TheDirectStepIsThatOfTheAssembledSolve) {
   for (Index sweeps = 1; sweeps <= 20; ++sweeps) {
     ConstraintProblem a = assembled, b = mixed;
     const GaussSeidelOptions options{.tolerance = 1e-9, .sweeps = sweeps};
-    const SolveReport one = BlockGaussSeidel(options).solve(a), other = BlockGaussSeidel(options).solve(b);
+    const SolveReport one = BlockGaussSeidel(options).solve(a),
+                      other = BlockGaussSeidel(options).solve(b);
     EXPECT_EQ(one.sweeps, other.sweeps);
     EXPECT_EQ(one.direct_solves, other.direct_solves);
     EXPECT_EQ(one.converged, other.converged);
@@ -121,15 +123,18 @@ TEST(MixedCompliance, TheFormIsChosenByCount) {
   // Many sweeps over few rows: columns of W are short.
   EXPECT_FALSE(report({.samples = 20}, {.sweeps = 100}).as_operator);
   // New matrices are quickly taken out of a W that is there.
-  EXPECT_FALSE(report({.samples = 50}, {.sweeps = 2, .direct_solves = 10, .factorisations = 10}).as_operator);
+  EXPECT_FALSE(report({.samples = 50}, {.sweeps = 2, .direct_solves = 10, .factorisations = 10})
+                   .as_operator);
   // Thousands of rows: a sweep over columns costs their square.
-  EXPECT_TRUE(report({.beams = 1100, .samples = 1000, .tissue = false}, {.sweeps = 20}).as_operator);
+  EXPECT_TRUE(
+      report({.beams = 1100, .samples = 1000, .tissue = false}, {.sweeps = 20}).as_operator);
   // A dense W is there anyway, for tissue: only what the thread adds to it counts, and its sweeps are free.
   const SolveReport sweeps{.sweeps = 50};
   EXPECT_GT(report({.samples = 50, .tissue = false}, sweeps).assembled_count,
             report({.samples = 50, .tissue = true}, sweeps).assembled_count);
   // The length of the thread does not enter.
-  EXPECT_EQ(report({.beams = 200}, sweeps).operator_count, report({.beams = 1000}, sweeps).operator_count);
+  EXPECT_EQ(report({.beams = 200}, sweeps).operator_count,
+            report({.beams = 1000}, sweeps).operator_count);
 }
 
 }  // namespace
