@@ -120,9 +120,10 @@ void SuturePath::lead_thread(const SolvedBlocks& solved) {
     const Crossing& c = crossings_[b.crossing];
     const PathSample* s = channel_->find(c.id);
     if (s == nullptr) continue;  // the end of the channel, or left by a retracting tip
-    const Vec3 now = tissue_->position(s->at, Configuration::current);
+    // Through where the thread is now, not the sample: the wall gives, and a guide does not.
+    const Vec3 moved = tissue_->position(s->at, Configuration::current) - c.position;
     thread_->expect({.abscissa = std::clamp(s->abscissa + s->slip, Real(0), thread_->length()),
-                     .point = 2 * now - c.position,
+                     .point = thread_->point(s->abscissa, Configuration::current) + moved,
                      .tangent = thread_->tangent(s->abscissa, Configuration::current),
                      .acted_at = c.abscissa,
                      .force = solved.force(b.block)});

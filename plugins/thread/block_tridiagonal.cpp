@@ -49,6 +49,10 @@ void BlockTridiagonal::resize(Index blocks) {
   for (auto* v : {&diagonal_, &upper_, &inverse_, &transfer_}) v->resize(n, Mat6::Zero());
 }
 
+void BlockTridiagonal::reserve(Index blocks) {
+  for (auto* v : {&diagonal_, &upper_, &inverse_, &transfer_}) v->reserve(static_cast<std::size_t>(blocks));
+}
+
 void BlockTridiagonal::set_zero() {
   for (Mat6& m : diagonal_) m.setZero();
   for (Mat6& m : upper_) m.setZero();

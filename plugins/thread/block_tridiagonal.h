@@ -20,6 +20,8 @@ using Mat6 = Eigen::Matrix<Real, 6, 6>;
 class BlockTridiagonal {
  public:
   void resize(Index blocks);
+  /// Room for so many blocks: up to it, resize allocates nothing.
+  void reserve(Index blocks);
   Index blocks() const { return static_cast<Index>(diagonal_.size()); }
 
   /// Fill these, then call factor(); they are kept, so that a residual can be computed.

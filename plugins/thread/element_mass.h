@@ -23,11 +23,12 @@ struct MassTimes {
 
 struct ElementVelocity {
   Vec3 va, wa, vb, wb;
-  ElementVelocity(const VecX& v, Index e)
-      : va(v.segment<3>(6 * e)),
-        wa(v.segment<3>(6 * e + 3)),
-        vb(v.segment<3>(6 * e + 6)),
-        wb(v.segment<3>(6 * e + 9)) {}
+  template <class Vector>
+  ElementVelocity(const Vector& v, Index e)
+      : va(v.template segment<3>(6 * e)),
+        wa(v.template segment<3>(6 * e + 3)),
+        vb(v.template segment<3>(6 * e + 6)),
+        wb(v.template segment<3>(6 * e + 9)) {}
 };
 
 inline Real kinetic(const ElementMass& m, const ElementState& s, const ElementVelocity& v) {

@@ -36,7 +36,8 @@ void Rod::build(const RodLayout& layout) {
   abscissa_ = layout.abscissa;
   sections_ = layout.sections;
   rest_ = layout.rest;
-  pose_ = free_ = layout.start;
+  pose_ = layout.start;
+  free_ = layout.start;
   elements_.clear();
   masses_.clear();
   for (std::size_t e = 0; e + 1 < n; ++e) {
@@ -44,14 +45,31 @@ void Rod::build(const RodLayout& layout) {
     masses_.emplace_back(elements_.back());
   }
   twist_.assign(n - 1, 0);
-  free_twist_ = tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &rhs_, &scratch_, &before_velocity_, &correction_,
-                  &constraint_force_}) {
-    v->setZero(dofs());
-  }
+  free_twist_ = twist_;
+  tension_ = twist_;
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_, &before_velocity_,
+                  &correction_, &constraint_force_})
+    v->clear(dofs());
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());
+}
+
+void Rod::reserve(Index beams) {
+  const auto n = static_cast<std::size_t>(beams) + 1;
+  abscissa_.reserve(n);
+  sections_.reserve(n);
+  elements_.reserve(n);
+  masses_.reserve(n);
+  for (auto* poses : {&rest_, &pose_, &free_}) poses->reserve(n);
+  for (auto* reals : {&twist_, &free_twist_, &tension_}) reals->reserve(n);
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_, &before_velocity_, &correction_,
+                  &constraint_force_})
+    v->reserve(6 * static_cast<Index>(n));
+  matrix_.reserve(static_cast<Index>(n));
+  work_.reserve(n);
+  work_.clamped.reserve(clamped_.size());
+  work_.springs.reserve(springs_.size());
 }
 
 void Rod::clamp(Index node) { clamped_.push_back(node); }
@@ -64,7 +82,7 @@ void Rod::element_state(Index e, ElementState& s) const {
 // `v` the velocity there. First pass: poses at the start of the step, forces extrapolated by h K v.
 // Later Newton passes: poses = start + h v, and the inertia of v minus the old velocity is due.
 void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
-                      std::vector<Real>& twist, const VecX& v, bool first) {
+                      std::vector<Real>& twist, const Dofs& v, bool first) {
   if (first) start_energy_ = 0;
   const Real mass_factor = 1 + dt * damping_mass;
   const Real stiffness_factor = dt * (dt + damping_stiffness);
@@ -167,7 +185,7 @@ void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& pos
   }
 }
 
-void Rod::apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
+void Rod::apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const Dofs& v,
                         bool first) {
   for (const NodeSpring& spring : springs_) {
     if (!spring.active) continue;
@@ -199,7 +217,7 @@ bool Rod::factor() {
   return true;
 }
 
-void Rod::move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
+void Rod::move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& v,
                Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const {
   for (Index e = 0; e < beams(); ++e) {
     const Vec3 span = from[e + 1].position - from[e].position;
@@ -221,16 +239,20 @@ void Rod::advance_free(Real dt, const Vec3& gravity) {
 }
 
 /// rhs_ <- A^-1 force.
-void Rod::answer(const VecX& force) {
+void Rod::answer(const Dofs& force) {
   rhs_ = force;
   for (const Index node : clamped_) rhs_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(rhs_));
 }
 
-void Rod::correct(Real dt, const VecX& force) {
+void Rod::correct(Real dt, const Dofs& force) {
   constraint_force_ = force;
   answer(force);
   velocity_ = free_velocity_ + dt * rhs_;
+  // Further than this from the motion that it was linearised about, a linear answer is a fiction that rows feed on.
+  scratch_ = dt * (free_correction_ + dt * rhs_);
+  excess_turn_ = largest_turn(free_, scratch_) / most_turn;
+  if (excess_turn_ > 1) velocity_ += (1 / excess_turn_ - 1) / dt * scratch_;
   move(pose_, twist_, velocity_, dt, pose_, twist_);
   if (keep_ < 1) velocity_ *= keep_;
   for (NodeSpring& spring : springs_) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "block_tridiagonal.h"
+#include "dof_vector.h"
 #include "element.h"
 #include "sutura/body.h"
 
@@ -31,6 +32,17 @@ struct NodeSpring {
   Wrench applied;  ///< on the rod, at the end of the last step
 };
 
+/// Work space of Rod::resample, kept so that it allocates nothing. Per node of the new rod unless said otherwise.
+struct ResampleWork {
+  RodLayout layout;
+  DofVector velocity, force;
+  std::vector<Real> twist, strain, old_abscissa;
+  std::vector<char> changed, halves;
+  std::vector<Index> clamped, concerned;
+  std::vector<NodeSpring> springs;
+  void reserve(std::size_t nodes);
+};
+
 class Rod {
  public:
   // Settings.
@@ -39,9 +51,11 @@ class Rod {
   Index newton_iterations = 1;
 
   void build(const RodLayout& layout);
+  /// Room for so many beams: up to it, resample allocates nothing. After the clamps and springs.
+  void reserve(Index beams);
   /// Same rod, other nodes (ends, clamped and sprung nodes must be among them): new nodes on the cubic,
   /// with its velocity; linear and angular momentum stay as they are. `rest` and `section` give the rest
-  /// pose and the section by abscissa. Allocates.
+  /// pose and the section by abscissa.
   void resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
                 const std::function<Section(Real)>& section);
   /// All six dofs of the node stay as they are.
@@ -58,13 +72,13 @@ class Rod {
     return c == Configuration::rest ? rest_ : c == Configuration::free ? free_ : pose_;
   }
   std::vector<Pose>& state() { return pose_; }
-  VecX& velocity() { return velocity_; }
-  const VecX& velocity() const { return velocity_; }
+  DofVector& velocity() { return velocity_; }
+  const DofVector& velocity() const { return velocity_; }
   /// Where constraints are expected to hold the rod at the end of the next step; emptied by it.
   std::vector<Guide>& guides() { return guides_; }
-  const VecX& free_velocity() const { return free_velocity_; }
+  const DofVector& free_velocity() const { return free_velocity_; }
   /// Free motion less the motion that it was linearised about, whose poses are Configuration::free.
-  const VecX& free_correction() const { return free_correction_; }
+  const DofVector& free_correction() const { return free_correction_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
@@ -74,7 +88,7 @@ class Rod {
   /// Assembles and factors A at the current state, fills the free poses. False if it cannot.
   bool free_motion(Real dt, const Vec3& gravity);
   /// Adds dt A^-1 force to the free motion and moves to the end of the step.
-  void correct(Real dt, const VecX& force);
+  void correct(Real dt, const Dofs& force);
 
   // The parts of free_motion, also for measurement.
   void assemble(Real dt, const Vec3& gravity);
@@ -83,6 +97,8 @@ class Rod {
 
   /// Linearisations the last free motion took.
   Index passes() const { return passes_; }
+  /// Constraints turned a beam this many times further than a step can follow; above 1 the step was shortened.
+  Real excess_turn() const { return excess_turn_; }
 
   struct StaticReport {
     bool converged = false;
@@ -111,26 +127,29 @@ class Rod {
 
  private:
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
-                   std::vector<Real>& twist, const VecX& v, bool first);
+                   std::vector<Real>& twist, const Dofs& v, bool first);
   bool expected_motion(Real dt, const Vec3& gravity);
   void start_by_inertia(Real dt, const Vec3& gravity);
   bool guided_motion(Real dt, const Vec3& gravity);
   void apply_guides(Real dt);
   Real guide_energy() const;  ///< of their springs at the free poses
-  bool lower_potential(Real dt, const Vec3& gravity, int most, Real settled);
+  bool find_correction(Real dt, const Vec3& gravity, Real& turn);
+  void take_correction(Real dt, Real part);
+  Real take_shortened(Real dt, const Vec3& gravity, Real turn, Real value);
+  bool follow_guides(Real dt, const Vec3& gravity);
   bool linearise_ahead(Real dt, const Vec3& gravity);
   bool linearise_here(Real dt, const Vec3& gravity);
-  void answer(const VecX& force);
-  void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const VecX& v,
+  void answer(const Dofs& force);
+  void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const Dofs& v,
                      bool first);
-  void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const VecX& v,
+  void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& v,
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
   StaticReport solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
                             int max_iterations);
   /// Largest turn of a chord or tangent in the step (rad).
-  Real largest_turn(const std::vector<Pose>& poses, const VecX& step) const;
+  Real largest_turn(const std::vector<Pose>& poses, const Dofs& step) const;
   static constexpr Real turn_limit = 0.5;  ///< rad: inside it the quadratic model of a beam is good
-  Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
+  Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const Dofs& v,
                    const Vec3& gravity) const;
   Real spring_energy(const std::vector<Pose>& poses) const;
   struct Energy {
@@ -143,7 +162,7 @@ class Rod {
   void add_correction(Real dt, Real part);
   bool descend(Real dt, const Vec3& gravity);
   void predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
-                       const VecX& step, Real factor, bool first);
+                       const Dofs& step, Real factor, bool first);
   void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
 
   std::vector<Real> abscissa_;
@@ -154,15 +173,17 @@ class Rod {
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
   std::vector<Guide> guides_;
-  VecX constraint_force_;  ///< of the last step: what the next one expects to feel again
-  VecX velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
+  DofVector constraint_force_;  ///< of the last step: what the next one expects to feel again
+  DofVector velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
-  Real last_turn_ = 0;  ///< of the last correction of lower_potential (rad)
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
+  static constexpr Real most_turn = 1;  ///< rad, beyond the expected motion
+  Real excess_turn_ = 0;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;
+  ResampleWork work_;
 };
 
 /// exp(spin) applied to q.

@@ -21,7 +21,7 @@ Real stiffness_of_guides(const Rod& rod) {
   return 0.4 * thread.young * 2 * thread.radius;
 }
 
-void add_force(const Rod& rod, Real s, const Vec3& force, VecX& sum) {
+void add_force(const Rod& rod, Real s, const Vec3& force, DofVector& sum) {
   PointJacobian J;
   curve_jacobian(rod, s, Configuration::current, J);
   for (int k = 0; k < J.nodes; ++k)
@@ -63,18 +63,35 @@ Real Rod::guide_energy() const {
   return sum;
 }
 
-/// False if a matrix cannot be factored or the motion has not settled, as with a loose end that whips: the linear answer from
-/// there could be anything, and nothing here balances energy. The expected constraint forces are then what they were.
-bool Rod::guided_motion(Real dt, const Vec3& gravity) {
+/// Newton with the tension as an unknown of its own may lift the potential on its best way (a turn fakes stretch until the next
+/// correction takes it back), so a correction is taken whole while corrections shrink, and shortened when they do not.
+/// False if they do not settle.
+bool Rod::follow_guides(Real dt, const Vec3& gravity) {
   constexpr int most_corrections = 20;
   constexpr Real settled = 0.02;  // rad; what is left after such a correction is its square
-  constexpr Real near = 0.1;      // rad; also good enough, where the potential has nothing more to give
+  Real last_turn = 2 * turn_limit, turn = 0;
+  for (int i = 0; i < most_corrections; ++i, last_turn = turn) {
+    if (!find_correction(dt, gravity, turn)) return false;
+    if (turn < last_turn / 2) {
+      take_correction(dt, 1);
+      if (turn < settled) return true;
+    } else {
+      take_correction(dt, 0);
+      take_shortened(dt, gravity, turn, incremental_potential(dt, gravity));
+    }
+  }
+  return turn < 5 * settled;
+}
+
+/// False if the rod does not settle at its guides, as with a loose end that whips: the linear answer from there could be anything.
+/// The expected constraint forces are then what they were.
+bool Rod::guided_motion(Real dt, const Vec3& gravity) {
   last_force_ = constraint_force_;
   for (const Guide& g : guides_) add_force(*this, g.acted_at, -g.force, constraint_force_);
   keep_ = 1;
   passes_ = 1;
   start_by_inertia(dt, gravity);
-  if (lower_potential(dt, gravity, most_corrections, settled) && last_turn_ < near) {
+  if (follow_guides(dt, gravity)) {
     constraint_force_.setZero();
     assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
     if (factor()) {

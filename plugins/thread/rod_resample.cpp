@@ -16,7 +16,7 @@ namespace {
 Vec6 velocity_at(const Rod& rod, const CurvePlace& at) {
   const Index e = at.beam;
   const auto& p = rod.poses(Configuration::current);
-  const VecX& v = rod.velocity();
+  const DofVector& v = rod.velocity();
   const Real L = rod.element(e).length;
   const Vec3 ta = p[e].rotation * Vec3::UnitX(), tb = p[e + 1].rotation * Vec3::UnitX();
   const Vec3 va = v.segment<3>(6 * e), wa = v.segment<3>(6 * e + 3);
@@ -35,17 +35,35 @@ Vec6 velocity_at(const Rod& rod, const CurvePlace& at) {
 
 }  // namespace
 
+void ResampleWork::reserve(std::size_t nodes) {
+  layout.abscissa.reserve(nodes);
+  layout.rest.reserve(nodes);
+  layout.start.reserve(nodes);
+  layout.sections.reserve(nodes);
+  velocity.reserve(6 * static_cast<Index>(nodes));
+  force.reserve(6 * static_cast<Index>(nodes));
+  for (auto* reals : {&twist, &strain, &old_abscissa}) reals->reserve(nodes);
+  changed.reserve(nodes);
+  halves.reserve(nodes);
+  concerned.reserve(nodes + 2);
+}
+
 void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
                    const std::function<Section(Real)>& section) {
   Vec6 before;
   before.head<3>() = momentum();
   before.tail<3>() = angular_momentum();
   const std::size_t n = abscissa.size();
-  RodLayout layout;
+  auto& [layout, velocity, force, twist, strain, old_abscissa, changed, halves, clamped, nodes_concerned, springs] =
+      work_;
   layout.abscissa = abscissa;
-  std::vector<Real> twist(n - 1, 0);
-  VecX velocity(6 * static_cast<Index>(n)), force = VecX::Zero(velocity.size());
-  std::vector<char> changed(n, 0);
+  layout.rest.clear();
+  layout.start.clear();
+  layout.sections.clear();
+  twist.assign(n - 1, 0);
+  velocity.clear(6 * static_cast<Index>(n));
+  force.clear(velocity.size());
+  changed.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const CurvePlace at = place(*this, abscissa[i]);
     const bool old = at.u < 1e-9 || at.u > 1 - 1e-9;
@@ -60,8 +78,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
       layout.sections.push_back(section((abscissa[i - 1] + abscissa[i]) / 2));
   }
   // The strain that the two halves of a split beam have to keep.
-  std::vector<Real> strain(n, 0);
-  std::vector<char> halves(n, 0);
+  strain.assign(n, 0);
+  halves.assign(n, 0);
   for (std::size_t k = 1; k + 1 < n; ++k) {
     const CurvePlace at = place(*this, abscissa[k]);
     if (!changed[k] || std::abs(abscissa[k - 1] - abscissa_[at.beam]) > 1e-12 ||
@@ -97,12 +115,12 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     force.segment<3>(6 * b + 3) += w[3] * L * tangent(b).cross(f) + u * m;
     changed[a] = changed[b] = 1;
   }
-  const std::vector<Index> clamped = clamped_;
-  const std::vector<NodeSpring> springs = springs_;
-  const std::vector<Real> old_abscissa = abscissa_;
+  clamped = clamped_;
+  springs = springs_;
+  old_abscissa = abscissa_;
   build(layout);
-  const auto moved = [&](Index node) {
-    const auto it = std::lower_bound(abscissa_.begin(), abscissa_.end(), old_abscissa[node] - 1e-12);
+  const auto moved = [this, &old = old_abscissa](Index node) {
+    const auto it = std::lower_bound(abscissa_.begin(), abscissa_.end(), old[node] - 1e-12);
     return static_cast<Index>(it - abscissa_.begin());
   };
   for (const Index node : clamped) clamp(moved(node));
@@ -110,7 +128,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     spring.node = moved(spring.node);
     springs_.push_back(spring);
   }
-  twist_ = free_twist_ = twist;
+  twist_ = twist;
+  free_twist_ = twist;
   velocity_ = velocity;
   constraint_force_ = force;
 
@@ -132,7 +151,7 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   free_ = pose_;
 
   // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned.
-  std::vector<Index> nodes_concerned;
+  nodes_concerned.clear();
   for (std::size_t k = 0; k < n; ++k)
     if (changed[k]) nodes_concerned.push_back(static_cast<Index>(k));
   if (nodes_concerned.empty()) return;
@@ -160,13 +179,13 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   wanted.tail<3>() -= centre.cross(Vec3(before.head<3>()));
   const Real arm = abscissa_.back() / static_cast<Real>(beams());
   Eigen::Matrix<Real, 6, 6> response;
-  const VecX kept = velocity_;
+  velocity = velocity_;
   for (int c = 0; c < 6; ++c) {
     velocity_.setZero();
     add_motion(c < 3 ? Vec3(Vec3::Unit(c)) : Vec3::Zero(), c < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(c - 3) / arm));
     response.col(c) = measure();
   }
-  velocity_ = kept;
+  velocity_ = velocity;
   Vec6 difference = wanted - now;
   response.bottomRows<3>() /= arm;
   difference.tail<3>() /= arm;

@@ -73,7 +73,7 @@ void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
     for (int d = 0; d < 6; ++d) matrix.fix(node, d);
 }
 
-Real Rod::largest_turn(const std::vector<Pose>& poses, const VecX& step) const {
+Real Rod::largest_turn(const std::vector<Pose>& poses, const Dofs& step) const {
   Real largest = 0;
   for (Index e = 0; e < beams(); ++e) {
     const Vec3 span = poses[e + 1].position - poses[e].position;

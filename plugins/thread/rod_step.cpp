@@ -8,7 +8,7 @@
 namespace sutura::thread {
 
 /// Elastic, kinetic and weight energy of one beam.
-Real Rod::beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const VecX& v,
+Real Rod::beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const Dofs& v,
                       const Vec3& gravity) const {
   const ElementRest& r = elements_[e];
   const ElementVelocity w(v, e);
@@ -46,7 +46,7 @@ Rod::Energy Rod::free_energy(const Vec3& gravity, bool note_tension) {
 /// Tension at the end of the linear step `dv` from `poses`: the linear prediction, which is free of the
 /// second-order stretch of a finite rotation.
 void Rod::predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
-                          const VecX& step, Real factor, bool first) {
+                          const Dofs& step, Real factor, bool first) {
   ElementState s;
   Vec9 change;
   for (Index e = 0; e < beams(); ++e) {
@@ -167,42 +167,40 @@ Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
   return sum;
 }
 
-/// Newton from the present free motion, each correction shortened until the incremental potential falls. Ends when a
-/// correction turns no beam by more than `settled` (rad), or nothing more is gained. False if a matrix cannot be factored.
-bool Rod::lower_potential(Real dt, const Vec3& gravity, int most, Real settled) {
-  Real value = incremental_potential(dt, gravity);
-  last_turn_ = 0;
-  for (int i = 0; i < most; ++i, ++passes_) {
-    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-    apply_guides(dt);
-    if (!factor()) return false;
-    matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    correction_ = rhs_;
-    before_velocity_ = free_velocity_;
-    scratch_ = dt * correction_;
-    const Real turn = largest_turn(free_, scratch_);
-    last_turn_ = turn;
-    Real part = std::min(1., turn_limit / turn);
-    predict_tension(free_, free_twist_, scratch_, part, false);
-    Real next = value;
-    for (int cut = 0; cut < 20; ++cut, part /= 2) {
-      free_velocity_ = before_velocity_ + part * correction_;
-      move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-      next = incremental_potential(dt, gravity);
-      if (next < value) break;
-    }
-    if (!(next < value)) {
-      free_velocity_ = before_velocity_;
-      move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-      break;
-    }
-    if (turn < settled || value - next < 1e-6 * std::abs(value)) break;
-    value = next;
-  }
+/// correction_ <- the Newton correction of the free motion, `turn` the largest turn (rad) that it asks of a beam.
+bool Rod::find_correction(Real dt, const Vec3& gravity, Real& turn) {
+  ++passes_;
+  assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+  apply_guides(dt);
+  if (!factor()) return false;
+  matrix_.solve(Eigen::Ref<VecX>(rhs_));
+  correction_ = rhs_;
+  before_velocity_ = free_velocity_;
+  scratch_ = dt * correction_;
+  turn = largest_turn(free_, scratch_);
+  predict_tension(free_, free_twist_, scratch_, std::min(1., turn_limit / turn), false);
   return true;
 }
 
-// From where the step began. It may stop short of the minimum, which only slows the motion; the velocity carried on is then cut
+void Rod::take_correction(Real dt, Real part) {
+  free_velocity_ = before_velocity_ + part * correction_;
+  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+}
+
+/// The largest part of the correction, halved from at most `turn_limit`, that lowers the incremental potential; none may.
+/// Returns the potential then.
+Real Rod::take_shortened(Real dt, const Vec3& gravity, Real turn, Real value) {
+  Real part = std::min(1., turn_limit / turn);
+  for (int cut = 0; cut < 20; ++cut, part /= 2) {
+    take_correction(dt, part);
+    const Real next = incremental_potential(dt, gravity);
+    if (next < value) return next;
+  }
+  take_correction(dt, 0);
+  return value;
+}
+
+// Newton from where the step began, each correction shortened until the incremental potential falls. It may stop short of the minimum, which only slows the motion; the velocity carried on is then cut
 // to what the energy balance leaves. So no start and no step size makes energy grow.
 bool Rod::descend(Real dt, const Vec3& gravity) {
   free_velocity_.setZero();
@@ -213,7 +211,14 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     element_state(e, s);
     tension_[e] = s.tension;
   }
-  if (!lower_potential(dt, gravity, 12, 0)) return false;
+  constexpr int most = 12;
+  Real value = incremental_potential(dt, gravity), turn = 0;
+  for (int i = 0; i < most; ++i) {
+    if (!find_correction(dt, gravity, turn)) return false;
+    const Real next = take_shortened(dt, gravity, turn, value);
+    if (value - next < 1e-6 * std::abs(value)) break;
+    value = next;
+  }
   const Energy end = free_energy(gravity);
   const Real left =
       start_energy_ + dt * constraint_force_.dot(free_velocity_) - end.potential;

@@ -91,11 +91,15 @@ void SutureThread::build() {
             .longest = thread_length / static_cast<Real>(thread_beams),
             .from = needle_arc_length,
             .forced = holds_};
-  // A beam is split only above twice the shortest, so none of the thread is shorter than that.
-  if (sampling_angle > 0)
-    sampling_work_.reserve(rod_.abscissa().size() +
-                           static_cast<std::size_t>(thread_length / shortest_beam));
-  touched_.reserve(static_cast<std::size_t>(rod_.nodes()));
+  // A beam is split only above twice the shortest: so many beams at most, next to those there are now.
+  Index most = rod_.beams();
+  if (sampling_angle > 0) {
+    most += static_cast<Index>(thread_length / shortest_beam);
+    sampling_work_.reserve(static_cast<std::size_t>(most));
+    rod_.reserve(most);
+  }
+  touched_.reserve(static_cast<std::size_t>(most) + 1);
+  touched_place_.reserve(static_cast<std::size_t>(most) + 1);
   touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
@@ -183,6 +187,15 @@ void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX
     }
   }
   for (const Index node : touched_) touched_place_[node] = -1;
+}
+
+std::string SutureThread::trouble() const {
+  if (!factored_) return "the matrix of the step is not positive definite; the thread stays where it is";
+  if (rod_.excess_turn() > 1)
+    return "constraints turn a beam by more than " + std::to_string(std::lround(rod_.excess_turn())) +
+           " rad in one step, the step was cut short: the beams are too long for so soft a thread (see sampling_angle, "
+           "thread_beams), or the step is";
+  return {};
 }
 
 Real SutureThread::radius(Real s) const {

@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
-"""Work-precision chart of the thread with its peers: plot_thread.py FOLDER [OUT.png]
+"""Charts of the thread: plot_thread.py FOLDER
 
-FOLDER holds thread_work_precision.csv (sutura_bench_thread). Peers' figures are published or were measured on the same kind
+FOLDER holds the files of sutura_bench_thread. Draws there
+  thread_peers.png      thread_work_precision.csv with its peers
+  thread_sampling.png   thread_sampling.csv: a tight loop, adaptive against uniform beams
+
+Peers' figures are published or were measured on the same kind
 of machine, one thread: see docs/theory/thread.md and the table PEERS below.
 """
 import csv
@@ -29,13 +33,20 @@ PEERS = {
 }
 
 
-def main():
-    if len(sys.argv) not in (2, 3):
-        sys.exit(__doc__)
-    folder = sys.argv[1]
-    out = sys.argv[2] if len(sys.argv) == 3 else os.path.join(folder, "thread_peers.png")
-    with open(os.path.join(folder, "thread_work_precision.csv"), newline="") as file:
-        rows = list(csv.DictReader(file))
+def read(folder, name):
+    with open(os.path.join(folder, name), newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def save(figure, folder, name, bottom=0):
+    out = os.path.join(folder, name)
+    figure.tight_layout(rect=(0, bottom, 1, 1))
+    figure.savefig(out, dpi=110)
+    print(out)
+
+
+def peers(folder):
+    rows = read(folder, "thread_work_precision.csv")
     cases = list(dict.fromkeys(row["case"] for row in rows))
     figure, panels = plt.subplots(1, len(cases), figsize=(4.4 * len(cases), 4.2), sharey=True)
     for axes, case in zip(panels, cases):
@@ -50,9 +61,33 @@ def main():
         axes.grid(True, which="both", alpha=0.25)
         axes.legend(fontsize=7)
     panels[0].set_ylabel("tip error / L")
-    figure.tight_layout()
-    figure.savefig(out, dpi=110)
-    print(out)
+    save(figure, folder, "thread_peers.png")
+
+
+def sampling(folder):
+    rows = read(folder, "thread_sampling.csv")
+    figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.4), sharey=True)
+    for axes, x in zip(panels, ("beams", "cpu_us_per_step")):
+        for quantity, colour in (("height", "tab:blue"), ("curvature", "tab:red")):
+            for kind, style in (("uniform", "s--"), ("adaptive", "o-")):
+                points = [(float(r[x]), float(r[quantity + "_error"]), r["angle_rad"]) for r in rows if r["sampling"] == kind]
+                axes.loglog(*zip(*[p[:2] for p in points]), style, color=colour, markersize=4, label=f"{quantity}, {kind}")
+                for px, py, angle in points if (kind, quantity) == ("adaptive", "height") else []:
+                    axes.annotate(angle, (px, py), textcoords="offset points", xytext=(-6, -10), fontsize=7, ha="right")
+        axes.margins(x=0.12)
+        axes.set_xlabel({"beams": "beams", "cpu_us_per_step": "CPU time per step [us]"}[x])
+        axes.grid(True, which="both", alpha=0.25)
+    panels[0].set_ylabel("relative error")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncol=4, fontsize=8)
+    figure.suptitle("A 300 mm thread in a loop of 1 mm radius (numbers: sampling_angle, rad)", fontsize=10)
+    save(figure, folder, "thread_sampling.png", bottom=0.06)
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    peers(sys.argv[1])
+    sampling(sys.argv[1])
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 //   thread_work_precision.csv   error against CPU time per step, 4 to 256 beams: card "suture cantilever"
 //                               (heavy cantilever at rest) and elastica end loads
 //   thread_cost.csv             ns per beam of each part of the implicit step, 200 to 10 000 beams
+//   thread_sampling.csv         a tight loop, adaptive against uniform beams: errors, beams, CPU time per step
 //   thread_start.csv            the card from the horizontal, step by step size: error at rest, passes
 // Usage: sutura_bench_thread OUTPUT_FOLDER. Times are CPU time of this thread, best of several rounds.
 #include <time.h>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "unit/thread/rod_builder.h"
+#include "validation/thread/loop.h"
 
 namespace sutura::thread {
 namespace {
@@ -123,6 +125,40 @@ void cost(std::FILE* csv) {
   }
 }
 
+/// A step of the loop at rest between its held ends; with the sampling's look at every beam if it is on.
+double loop_step_time(Rod& rod, Real angle) {
+  loop::hold_ends(rod, loop::tight);
+  const VecX none = VecX::Zero(rod.dofs());
+  SamplingWork work;
+  const SamplingRules rules = loop::rules(angle);
+  return best_time([&] {
+    if (!rod.free_motion(0.01, Vec3::Zero())) std::abort();
+    rod.correct(0.01, none);
+    if (angle > 0 && sample(rod, rules, work)) std::abort();
+  });
+}
+
+void sampling(std::FILE* csv) {
+  std::fprintf(csv, "sampling,angle_rad,beams,shortening_error,height_error,curvature_error,cpu_us_per_step\n");
+  std::printf("%-9s %6s %6s %12s %12s %12s %12s\n", "loop", "angle", "beams", "shortening", "height", "curvature",
+              "us per step");
+  const auto row = [&](const char* kind, Rod& rod, Real angle) {
+    const loop::Errors e = loop::errors(rod, loop::tight);
+    const double us = 1e6 * loop_step_time(rod, angle);
+    const auto beams = static_cast<long>(rod.beams());
+    std::fprintf(csv, "%s,%g,%ld,%.4e,%.4e,%.4e,%.2f\n", kind, angle, beams, e.shortening, e.height, e.curvature, us);
+    std::printf("%-9s %6g %6ld %12.2e %12.2e %12.2e %12.2f\n", kind, angle, beams, e.shortening, e.height,
+                e.curvature, us);
+  };
+  Rod rod;
+  for (const Index beams : {100, 150, 200, 300, 400, 600, 800, 1200, 2400}) {
+    rod = loop::laid_out(beams, loop::tight);
+    if (loop::pull(rod, loop::tight)) row("uniform", rod, 0);
+  }
+  for (const Real angle : {0.8, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05})
+    if (loop::pull_tight(rod, angle)) row("adaptive", rod, angle);
+}
+
 void start(std::FILE* csv) {
   std::fprintf(csv, "dt_s,error_m_after_20_s,mean_passes,cpu_us_per_step\n");
   for (const Real dt : {1e-3, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3}) {
@@ -168,5 +204,6 @@ int main(int argc, char** argv) {
   };
   write("thread_cost.csv", sutura::thread::cost);
   write("thread_work_precision.csv", sutura::thread::work_precision);
+  write("thread_sampling.csv", sutura::thread::sampling);
   write("thread_start.csv", sutura::thread::start);
 }

@@ -64,5 +64,24 @@ TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
   EXPECT_NEAR(t.number(last, "path.inserted_length [m]"), 3 * 14.5e-3, 2e-3);
 }
 
+/// A thread a hundred times softer in bending than polypropylene (a 6-0 braid) turns within sqrt(EI / T) = 0.1 mm, a tenth of the scene's
+/// beams. Sampling refines where it bends and the stitch goes through; beams of 1 mm alone cannot, and say so.
+TEST(SoftThread, NeedsSamplingAndSaysSo) {
+  const auto bite = [](const std::string& name, const std::string& more) {
+    const house::TemporaryFolder folder(name);
+    const house::Outcome outcome =
+        house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/three_bites.xml --duration '2.8 s' --set "
+                       "/suture.bending_factor=0.01 --set /vtu_recorder.interval=1e9 --output " + folder.path().string() + more);
+    return std::pair(outcome.text, read_csv((folder.path() / "bites.csv").string()));
+  };
+  const auto [said, sampled] = bite("soft_sampled", " --set /suture.sampling_angle=0.2 --set '/suture.shortest_beam=0.2 mm'");
+  EXPECT_EQ(said.find("trouble"), std::string::npos) << said;
+  for (std::size_t i = 0; i < sampled.rows.size(); ++i) EXPECT_LT(sampled.number(i, "path.lateral_gap [m]"), 0.1e-3) << i;
+  const auto [complaint, uniform] = bite("soft_uniform", "");
+  EXPECT_NE(complaint.find("the beams are too long for so soft a thread"), std::string::npos) << complaint;
+  for (std::size_t i = 0; i < uniform.rows.size(); ++i)
+    EXPECT_LT(std::abs(uniform.number(i, "suture.end_position.x [m]")), 1) << "wrong, but not lost: " << i;
+}
+
 }  // namespace
 }  // namespace sutura::testing

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "rod_builder.h"
+#include "suture_thread.h"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
@@ -43,6 +44,51 @@ TEST(Allocation, NoneInTheStep) {
     EXPECT_EQ(allocations, before) << (violent ? "violent" : "calm");
     EXPECT_EQ(passes > 9, violent);  // the guarded descent was there
   }
+}
+
+/// A thread clamped at one end falls, swings and curls with adaptive sampling.
+struct FallingThread {
+  Diagnostics diagnostics;
+  SutureThread thread;
+  const StepContext context{.dt = 0.005, .gravity = Vec3(0, 0, -9.81)};
+  FallingThread() {
+    thread.needle_arc_length = 0;
+    thread.thread_beams = 20;
+    thread.sampling_angle = 0.1;
+    thread.clamp = SutureThread::Clamp::start;
+    thread.thread_direction = Vec3(-1, 0, 1);  // laid out with a sharp bend
+    sutura::Setup setup{diagnostics, {}, {}, context.dt, context.gravity, 1};
+    thread.initialise(setup);
+  }
+  /// Allocations of one step; `event` says whether it changed the nodes.
+  long step(bool& event) {
+    const VecX none = VecX::Zero(thread.dofs());
+    const std::vector<Real> nodes = thread.rod().abscissa();
+    const long before = allocations;
+    thread.free_motion(context);
+    thread.correct(context, none);
+    const long after = allocations;
+    event = thread.rod().abscissa() != nodes;
+    return after - before;
+  }
+};
+
+// Up to length/shortest_beam beams are declared at the start: from the first step on nothing allocates, events included.
+TEST(Allocation, NoneInTheStepOfASampledThread) {
+  FallingThread s;
+  ASSERT_TRUE(s.diagnostics.ok());
+  int events = 0, quiet = 0;
+  Index most = 0, least = 1000;
+  for (int i = 0; i < 600; ++i) {
+    bool event = false;
+    EXPECT_EQ(s.step(event), 0) << "step " << i << (event ? ", an event" : ", quiet");
+    ++(event ? events : quiet);
+    most = std::max(most, s.thread.rod().beams());
+    least = std::min(least, s.thread.rod().beams());
+  }
+  EXPECT_GT(events, 20);
+  EXPECT_GT(quiet, 100);
+  EXPECT_GT(most, least + 10);  // split and merged
 }
 
 }  // namespace
