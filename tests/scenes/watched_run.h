@@ -37,6 +37,7 @@ class WatchedSolver : public Component, public ConstraintSolver {
 
 class WatchedRun {
  public:
+  /// The scene names a WatchedSolver, if anybody wants to watch.
   explicit WatchedRun(const std::filesystem::path& file, const LoadOptions& more = {}) {
     enrol_builtin(registry_);
     registry_.component<WatchedSolver>("WatchedSolver");
