@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sutura/compliance.h"
 #include "sutura/types.h"
 
 namespace sutura {
@@ -93,8 +94,11 @@ class Body {
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
   /// dofs answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
+  /// For a chain: what its compliance is made of, between the nodes that `rows` touch (`out` keeps its memory from step
+  /// to step). False if the body is no chain. Exact, or false.
+  virtual bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const;
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
-  /// row; a body that knows better overrides it.
+  /// row; a body that knows better overrides it. Not asked of chains.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
   /// False if add_compliance approximates: the step then checks what lambda does by `solve`, and
   /// solves the constraints once more if W was too far off.

@@ -68,7 +68,7 @@ Real Rod::guide_energy() const {
 /// False if they do not settle.
 bool Rod::follow_guides(Real dt, const Vec3& gravity) {
   constexpr int most_corrections = 20;
-  constexpr Real settled = 0.02;  // rad; what is left after such a correction is its square
+  constexpr Real settled = 1e-3;  // rad; what is left after such a correction is its square
   Real last_turn = 2 * turn_limit, turn = 0;
   for (int i = 0; i < most_corrections; ++i, last_turn = turn) {
     if (!find_correction(dt, gravity, turn)) return false;
@@ -80,7 +80,7 @@ bool Rod::follow_guides(Real dt, const Vec3& gravity) {
       take_shortened(dt, gravity, turn, incremental_potential(dt, gravity));
     }
   }
-  return turn < 5 * settled;
+  return turn < 0.1;  // the linear answer does the rest
 }
 
 /// False if the rod does not settle at its guides, as with a loose end that whips: the linear answer from there could be anything.

@@ -2,7 +2,7 @@
 //
 // A beam is split when its turning angle, the integral of |dt/ds| along its cubic (an S does not count as
 // straight), exceeds `angle`, or its sagitta L angle/8 exceeds `sagitta`; two beams are merged when the
-// merged one would stay below half of both (hysteresis: no flicker). Lengths stay between `shortest` and
+// merged one would stay below half of both (hysteresis: no flicker) and keeps their energy. Lengths stay between `shortest` and
 // `longest`, neighbours within a factor of two. One level per call.
 #pragma once
 

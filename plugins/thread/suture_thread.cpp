@@ -92,15 +92,11 @@ void SutureThread::build() {
             .from = needle_arc_length,
             .forced = holds_};
   // A beam is split only above twice the shortest: so many beams at most, next to those there are now.
-  Index most = rod_.beams();
   if (sampling_angle > 0) {
-    most += static_cast<Index>(thread_length / shortest_beam);
+    const Index most = rod_.beams() + static_cast<Index>(thread_length / shortest_beam);
     sampling_work_.reserve(static_cast<std::size_t>(most));
     rod_.reserve(most);
   }
-  touched_.reserve(static_cast<std::size_t>(most) + 1);
-  touched_place_.reserve(static_cast<std::size_t>(most) + 1);
-  touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
 void SutureThread::free_motion(const StepContext& context) {
@@ -117,7 +113,6 @@ void SutureThread::correct(const StepContext& context, const VecX& force) {
 void SutureThread::resample() {
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
   rod_.resample(sampling_work_.nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
-  touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
 /// After free motion: where the linear answer puts it, not the curve through the free poses. Without its constraints a taut thread
@@ -146,47 +141,17 @@ void SutureThread::solve(Eigen::Ref<MatX> columns) const {
   rod_.matrix().solve(columns);
 }
 
-// Only touched nodes matter: W(row, row') = dt^2 sum h_a^T G_ab h_b over the blocks G of A^-1 between
-// them, which the elimination gives in O(nodes + touched^2) (block_tridiagonal.h).
-void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
+bool SutureThread::chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const {
   const auto is_clamped = [&](Index node) {
     return std::find(rod_.clamped().begin(), rod_.clamped().end(), node) != rod_.clamped().end();
   };
-  touched_ = rows.node;
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  std::erase_if(touched_, is_clamped);
-  const auto count = static_cast<Index>(touched_.size());
-  for (Index t = 0; t < count; ++t) touched_place_[touched_[t]] = t;
-  rod_.matrix().inverse_blocks(touched_, inverse_);
-
-  const auto coefficients = [&](Index entry) {
-    return Eigen::Map<const Vec6>(rows.value.data() + 6 * entry);
-  };
-  for (Index j = 0; j < rows.size(); ++j) {
-    for (Index f = rows.start[j]; f < rows.start[j + 1]; ++f) {
-      const Index b = touched_place_[rows.node[f]];
-      if (b < 0) continue;
-      // Column of A^-1 H^T for this entry, only where a row needs it.
-      Index previous = -1;
-      Vec6 column = Vec6::Zero();
-      for (Index i = 0; i < rows.size(); ++i) {
-        Real sum = 0;
-        for (Index e = rows.start[i]; e < rows.start[i + 1]; ++e) {
-          const Index a = touched_place_[rows.node[e]];
-          if (a < 0) continue;
-          if (a != previous) {
-            if (a <= b) column.noalias() = inverse_[a * count + b] * coefficients(f);
-            else column.noalias() = inverse_[b * count + a].transpose() * coefficients(f);
-            previous = a;
-          }
-          sum += coefficients(e).dot(column);
-        }
-        W(rows.row[i], rows.row[j]) += dt * dt * sum;
-      }
-    }
-  }
-  for (const Index node : touched_) touched_place_[node] = -1;
+  out.node = rows.node;
+  std::sort(out.node.begin(), out.node.end());
+  out.node.erase(std::unique(out.node.begin(), out.node.end()), out.node.end());
+  std::erase_if(out.node, is_clamped);
+  rod_.matrix().condense(out.node, out.own, out.transfer);
+  for (Mat6& own : out.own) own *= dt * dt;
+  return true;
 }
 
 std::string SutureThread::trouble() const {

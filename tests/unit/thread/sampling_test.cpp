@@ -5,15 +5,12 @@
 #include <cmath>
 #include <random>
 
-#include "rod_builder.h"
+#include "sampling_events.h"
 
 namespace sutura::thread {
 namespace {
 
 constexpr Real length = 0.3;
-
-Pose rest_pose(Real s) { return {Vec3(s, 0, 0), Quat::Identity()}; }
-Section section(Real) { return nylon(); }
 
 /// A free straight-rest thread laid along a plane curve given by its tangent angle.
 Rod plane_rod(Index beams, const std::function<Real(Real)>& angle) {
@@ -134,48 +131,6 @@ TEST(Sampling, MomentumIsConservedAndEnergyHardlyMoves) {
   EXPECT_GT(events, 5);
 }
 
-/// Elastic energy of the beams between two abscissae that are nodes.
-Real energy_between(const Rod& rod, Real from, Real to) {
-  Real sum = 0;
-  ElementState state;
-  for (Index e = 0; e < rod.beams(); ++e) {
-    if (rod.abscissa()[e] < from - 1e-12 || rod.abscissa()[e + 1] > to + 1e-12) continue;
-    rod.element_state(e, state);
-    sum += elastic_energy(rod.element(e), state);
-  }
-  return sum;
-}
-
-struct Jumps {
-  Real split = 0, merge = 0;  ///< largest, over the energy of the beams concerned
-  int splits = 0, merges = 0;
-};
-
-/// Resamples once and adds every split and merge, each by itself, to the list.
-bool resample_and_compare(Rod& rod, const SamplingRules& rules, Jumps& jumps) {
-  SamplingWork work;
-  if (!sample(rod, rules, work)) return false;
-  const Rod before = rod;
-  rod.resample(work.nodes, rest_pose, section);
-  // Beams far from any bend carry less than 1e-6 of the energy: no jump there matters.
-  const Real least = 1e-6 * before.elastic_energy();
-  const auto compare = [&](const Rod& whole, const Rod& halves, Real& largest, int& count) {
-    const auto& a = whole.abscissa();
-    for (Index e = 0; e < whole.beams(); ++e) {
-      const auto& b = halves.abscissa();
-      const auto inside = std::upper_bound(b.begin(), b.end(), a[e] + 1e-12);
-      if (inside == b.end() || *inside > a[e + 1] - 1e-12) continue;
-      const Real was = energy_between(before, a[e], a[e + 1]);
-      if (was < least) continue;
-      ++count;
-      largest = std::max(largest, std::abs(energy_between(rod, a[e], a[e + 1]) / was - 1));
-    }
-  };
-  compare(before, rod, jumps.split, jumps.splits);
-  compare(rod, before, jumps.merge, jumps.merges);
-  return true;
-}
-
 TEST(Sampling, EveryEventKeepsTheEnergyOfItsBeams) {
   // A thread bent to an arch by its clamped ends, at equilibrium; finer rules, then coarser ones.
   Rod rod = plane_rod(64, [](Real s) { return 1.5 * std::sin(2 * std::numbers::pi * s / length); });
@@ -191,8 +146,7 @@ TEST(Sampling, EveryEventKeepsTheEnergyOfItsBeams) {
       rest();
       if (!resample_and_compare(rod, {.angle = angle, .shortest = 0.2e-3, .longest = 0.1}, jumps)) break;
     }
-  std::printf("%d splits, largest jump %.2e; %d merges, largest jump %.2e of the beams concerned\n",
-              jumps.splits, jumps.split, jumps.merges, jumps.merge);
+  std::printf("at rest: %s\n", jumps.text().c_str());
   EXPECT_GT(jumps.splits, 20);
   EXPECT_GT(jumps.merges, 20);
   // Asked: below 1 % of the bending energy of the beams concerned.
