@@ -43,11 +43,9 @@ def compliance(folder):
     figure.savefig(folder / "solver_compliance.png", dpi=110)
 
 
-def main():
-    folder = pathlib.Path(sys.argv[1])
-    compliance(folder)
+def race(folder, name):
     curves = {}
-    with open(folder / "solver.csv") as f:
+    with open(folder / f"{name}.csv") as f:
         for row in csv.DictReader(f):
             curve = curves.setdefault((row["problem"], row["rows"]), {})
             points = curve.setdefault((row["solver"], row["start"]), [])
@@ -62,17 +60,24 @@ def main():
     for axis in axes.flat[len(curves):]:
         axis.axis("off")
     for axis, ((problem, rows), curve) in zip(axes.flat, curves.items()):
-        for (name, start), points in curve.items():
-            axis.loglog(*zip(*points), "o-" if start == "cold" else "s--", color=colours[name], markersize=3,
-                        label=f"{name}, {start}")
+        for (solver, start), points in curve.items():
+            axis.loglog(*zip(*points), "o-" if start == "cold" else "s--", color=colours[solver], markersize=3,
+                        label=f"{solver}, {start}")
         axis.axhline(1e-3, color="0.7", linewidth=0.8)
         axis.set_title(f"{problem} ({rows} rows)", fontsize=9)
         axis.set_xlabel("time (ms)")
         axis.set_ylabel("law residual")
     axes.flat[0].legend(fontsize=6)
     figure.tight_layout()
-    figure.savefig(folder / "solver.svg")
-    figure.savefig(folder / "solver.png", dpi=120)
+    figure.savefig(folder / f"{name}.svg")
+    figure.savefig(folder / f"{name}.png", dpi=120)
+
+
+def main():
+    folder = pathlib.Path(sys.argv[1])
+    compliance(folder)
+    race(folder, "solver")
+    race(folder, "solver_scenes")
 
 
 if __name__ == "__main__":

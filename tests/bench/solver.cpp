@@ -17,6 +17,7 @@
 #include "solve/problem_file.h"
 #include "solve/reference_solver.h"
 #include "solve_problems.h"
+#include "solver_cases.h"
 #include "solver_compliance.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
@@ -24,12 +25,6 @@
 using namespace sutura;
 
 namespace {
-
-struct Case {
-  std::string name;
-  ConstraintProblem problem;  // modes settled
-  VecX warm;
-};
 
 struct Point {
   Real milliseconds = 0;
@@ -51,7 +46,9 @@ Point measure(const ConstraintProblem& start, const std::function<SolveReport(Co
   return best;
 }
 
-void run_case(const Case& c, std::ofstream& csv) {
+}  // namespace
+
+void sutura::run_case(const Case& c, std::ofstream& csv) {
   struct Solver {
     const char* name;
     bool by_tolerance;  // walk along the curve by tolerance instead of by budget
@@ -94,7 +91,7 @@ void run_case(const Case& c, std::ofstream& csv) {
     }
 }
 
-Case settle(std::string name, ConstraintProblem problem) {
+Case sutura::settle(std::string name, ConstraintProblem problem) {
   Case c{std::move(name), std::move(problem), {}};
   c.warm = c.problem.lambda;
   ConstraintProblem solved = c.problem;
@@ -102,8 +99,6 @@ Case settle(std::string name, ConstraintProblem problem) {
   for (std::size_t i = 0; i < solved.blocks.size(); ++i) c.problem.blocks[i].mode = solved.blocks[i].mode;
   return c;
 }
-
-}  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
@@ -113,6 +108,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path out = argv[1];
   std::filesystem::create_directories(out);
   if (!bench_compliance(out)) return 3;
+  if (!bench_scenes(out)) return 3;
   std::vector<Case> cases;
   for (const int samples : {20, 50, 150})
     for (const Real pull : {0.05, 0.3, 3.0}) {
@@ -138,7 +134,7 @@ int main(int argc, char** argv) {
     cases.push_back(settle(std::filesystem::path(argv[i]).stem().string(), std::move(p)));
   }
   std::ofstream csv(out / "solver.csv");
-  csv << "problem,rows,solver,start,sweeps,direct solves,time ms,residual\n";
+  csv << case_columns;
   for (const Case& c : cases) {
     std::printf("%s (%td rows)\n", c.name.c_str(), c.problem.rows());
     run_case(c, csv);
