@@ -93,6 +93,8 @@ class Rod {
 
   /// Linearisations the last free motion took.
   Index passes() const { return passes_; }
+  /// The last free motion found none that loses energy, and left the rod where it was.
+  bool stuck() const { return stuck_; }
 
   struct StaticReport {
     bool converged = false;
@@ -163,6 +165,7 @@ class Rod {
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
+  bool stuck_ = false;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

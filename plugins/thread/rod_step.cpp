@@ -112,6 +112,7 @@ bool Rod::linearise_here(Real dt, const Vec3& gravity) {
 bool Rod::expected_motion(Real dt, const Vec3& gravity) {
   keep_ = 1;
   passes_ = 1;
+  stuck_ = false;
   scratch_ = dt * velocity_;
   const Real turn = largest_turn(pose_, scratch_);
   const bool ahead = turn > 1e-4 && turn < turn_limit;
@@ -178,7 +179,8 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     correction_ = rhs_;
     before_velocity_ = free_velocity_;
     scratch_ = dt * correction_;
-    Real part = std::min(1., turn_limit / largest_turn(free_, scratch_));
+    const Real turn = largest_turn(free_, scratch_);
+    Real part = std::min(1., turn_limit / turn);
     predict_tension(free_, free_twist_, scratch_, part, false);
     Real next = value;
     for (int cut = 0; cut < 20; ++cut, part /= 2) {
@@ -188,6 +190,7 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
       if (next < value) break;
     }
     if (!(next < value)) {
+      stuck_ = i == 0 && !(turn < 1e-6);  // at rest already if the correction is nothing
       free_velocity_ = before_velocity_;
       move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
       break;

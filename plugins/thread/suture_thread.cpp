@@ -114,6 +114,14 @@ void SutureThread::correct(const StepContext& context, const VecX& force) {
   if (sampling_angle > 0) resample();
 }
 
+std::string SutureThread::trouble() const {
+  if (!rod_.finite()) return "the state is no longer finite";
+  if (!factored_) return "the matrix of the step is not positive definite; the thread stayed where it was";
+  if (rod_.stuck())
+    return "no motion within this step loses energy, loads are too large for it; the thread stayed where it was";
+  return {};
+}
+
 void SutureThread::resample() {
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
   rod_.resample(sampling_work_.nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });

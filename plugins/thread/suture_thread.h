@@ -44,6 +44,7 @@ class SutureThread : public Component, public CurveBody {
   Real mass() const override { return rod_.mass(); }
   Real energy() const override { return rod_.kinetic_energy() + rod_.elastic_energy(); }
   bool finite() const override { return factored_ && rod_.finite(); }
+  std::string trouble() const override;
   BodyGeometry geometry() const override;
 
   // CurveBody
