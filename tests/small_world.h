@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <functional>
 
+#include "solve/compliance_stage.h"
 #include "solve/gauss_seidel.h"
 #include "sutura/constraints.h"
 
@@ -123,9 +124,9 @@ class SmallWorld {
     builder.begin();
     build(builder);
     builder.finish();
-    problem.W.setZero(problem.rows(), problem.rows());
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      bodies[i]->add_compliance(problem.bodies[i], context.dt, problem.W);
+    std::vector<ComplianceReport> reports(bodies.size());
+    const std::vector<const Body*> all(bodies.begin(), bodies.end());
+    ComplianceStage().run(all, problem, context.dt, ComplianceForm::automatic, {}, reports);
     const SolveReport report = solver.solve(problem);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       VecX f = VecX::Zero(bodies[i]->dofs());

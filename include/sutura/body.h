@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sutura/compliance.h"
 #include "sutura/types.h"
 
 namespace sutura {
@@ -87,14 +88,17 @@ class Body {
   virtual void free_motion(const StepContext& context) = 0;
 
   virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
-  /// At the current configuration.
+  /// About the motion that the body was linearised about in this step: `position(p, free)` and rows are on one tangent.
   virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
 
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
   /// dofs answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
+  /// For a chain: what its compliance is made of, between the nodes that `rows` touch (`out` keeps its memory from step
+  /// to step). False if the body is no chain. Exact, or false.
+  virtual bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const;
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
-  /// row; a body that knows better overrides it.
+  /// row; a body that knows better overrides it. Not asked of chains.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
   /// False if add_compliance approximates: the step then checks what lambda does by `solve`, and
   /// solves the constraints once more if W was too far off.
@@ -126,6 +130,12 @@ struct SurfacePoint {
   Real distance = 0;           ///< signed: positive outside
 };
 
+/// Isotropic, small strain.
+struct Elasticity {
+  Real young = 0;  ///< Pa; 0: not known
+  Real poisson = 0;
+};
+
 /// A body with an inside: tissue.
 class SolidBody : public Body {
  public:
@@ -142,12 +152,23 @@ class SolidBody : public Body {
   virtual Vec3 surface_normal(Index triangle, Configuration c) const = 0;
   /// Region tag of the mesh (layer).
   virtual int region(const EmbeddedPoint& p) const = 0;
+  virtual Elasticity elasticity(const EmbeddedPoint&) const { return {}; }
 };
 
 /// How firmly a hold keeps a section of a curve.
 struct HoldStiffness {
   Real translation = 1e6;  ///< N/m
   Real rotation = 10;      ///< N m/rad
+};
+
+/// Where a curve is expected to pass at the end of the next step: its section at `abscissa` through `point`, free to slide along
+/// `tangent`.
+struct Guide {
+  Real abscissa = 0;              ///< m
+  Vec3 point = Vec3::Zero();      ///< m
+  Vec3 tangent = Vec3::UnitX();   ///< unit
+  Real acted_at = 0;              ///< abscissa at which it was held in the step that ends (m)
+  Vec3 force = Vec3::Zero();      ///< with which it was held there (N)
 };
 
 /// A body that is a curve, parametrised by arc length at rest ("abscissa", m): 0 at the needle tip,
@@ -168,6 +189,9 @@ class CurveBody : public Body {
   /// curve downhill, so that it cannot jump to another strand.
   virtual Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
                                 Configuration c) const = 0;
+
+  /// For bodies that linearise a step about the motion they expect. Called in commit, counts for one step.
+  virtual void expect(const Guide&) {}
 
   /// Holds: a section tied to a moving pose by an implicit spring, part of A (a grasper, a clamp).
   /// `add_hold` is called from initialise, by components linked to this one; returns its number.

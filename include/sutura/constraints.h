@@ -47,7 +47,8 @@ struct ConstraintBlock {
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
 };
 
-/// One step's problem: delta = W lambda + d_free, and a law per block.
+/// One step's problem: delta = W lambda + d_free, and a law per block. W is the sum over bodies: `W` holds those that
+/// are assembled, `chains` those that are kept as operators.
 class ConstraintProblem {
  public:
   std::vector<ConstraintBlock> blocks;
@@ -55,8 +56,9 @@ class ConstraintProblem {
   VecX d_free;  ///< per row
   VecX lambda;  ///< per row; on entry the warm start, on exit the solution
   VecX delta;   ///< per row; on exit W lambda + d_free
-  MatX W;       ///< rows x rows, the sum over bodies; filled by the stage "compliance"
-  std::vector<BodyRows> bodies;  ///< H, one per body of the simulation
+  MatX W;       ///< rows x rows, the sum over assembled bodies; 0 x 0 if none of them has rows
+  std::vector<BodyRows> bodies;         ///< H, one per body of the simulation
+  std::vector<ChainCompliance> chains;  ///< as `bodies`; empty where the body is in W
 
   Index rows() const { return d_free.size(); }
   const void* block_params(const ConstraintBlock& b) const {
@@ -156,6 +158,7 @@ struct SolveReport {
   Index sweeps = 0;
   Index direct_solves = 0;  ///< subspace steps
   Index events = 0;         ///< irreversible events fired during the solve
+  Index factorisations = 0; ///< of which with a new matrix
   Real residual = 0;        ///< law residual, in units of the blocks
   Real violation = 0;       ///< largest distance of a block from its law (m)
   bool converged = true;
@@ -167,6 +170,8 @@ class ConstraintSolver {
   static constexpr const char* interface_name = "ConstraintSolver";
   virtual ~ConstraintSolver() = default;
   virtual SolveReport solve(ConstraintProblem& problem) = 0;
+  /// How this solver wants the compliance of chains. One that reads nothing but problem.W leaves it at that.
+  virtual ComplianceForm compliance_form() const { return ComplianceForm::assembled; }
 };
 
 }  // namespace sutura

@@ -29,6 +29,7 @@ struct StepReport {
   Real compliance_error = 0;
   /// The same after the first pass; larger only if that made a second one necessary.
   Real first_compliance_error = 0;
+  std::vector<ComplianceReport> compliance;  ///< per body, in the order of Simulation::bodies
   bool finite = true;
   std::vector<std::string> messages;  ///< what went wrong in the bodies: "path: sentence"
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
@@ -44,6 +45,7 @@ class Driver {
 };
 
 class Simulation;
+class ComplianceStage;
 
 /// Reads the state after each step and writes files. Never changes anything.
 class Recorder {
@@ -100,6 +102,8 @@ class Simulation {
   ConstraintSolver* solver_ = nullptr;
   ConstraintProblem problem_;
   std::unique_ptr<ConstraintBuilder> builder_;
+  std::unique_ptr<ComplianceStage> compliance_;
+  std::vector<const Body*> const_bodies_;
   std::vector<VecX> body_force_;
   StepReport report_;
   bool recording_ = false;

@@ -119,10 +119,21 @@ void Channel::leave(const EmbeddedPoint& pressed) {
   end_depth_ = samples_.back().depth;
 }
 
-void Channel::set_friction_mode(std::uint64_t id, std::uint8_t mode) {
+std::size_t Channel::place(std::uint64_t id) const {
   const auto it = std::lower_bound(samples_.begin(), samples_.end(), id,
                                    [](const PathSample& s, std::uint64_t i) { return s.id < i; });
-  if (it != samples_.end() && it->id == id) it->friction_mode = mode;
+  const bool there = it != samples_.end() && it->id == id;
+  return static_cast<std::size_t>((there ? it : samples_.end()) - samples_.begin());
+}
+
+const PathSample* Channel::find(std::uint64_t id) const {
+  const std::size_t i = place(id);
+  return i < passed_ ? &samples_[i] : nullptr;
+}
+
+void Channel::set_friction_mode(std::uint64_t id, std::uint8_t mode) {
+  const std::size_t i = place(id);
+  if (i < samples_.size()) samples_[i].friction_mode = mode;
 }
 
 void Channel::update() {

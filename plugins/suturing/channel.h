@@ -57,6 +57,8 @@ class Channel {
   /// The tip has just left the tissue where it pressed.
   void leave(const EmbeddedPoint& pressed);
   PathSample& sample(std::size_t i) { return samples_[i]; }
+  /// The sample with this id if it is on the thread, or null.
+  const PathSample* find(std::uint64_t id) const;
   /// Of the sample with this id, if it is still there.
   void set_friction_mode(std::uint64_t id, std::uint8_t mode);
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end of the thread, takes up
@@ -64,6 +66,8 @@ class Channel {
   void update();
 
  private:
+  /// Index of the sample with this id, or the number of samples.
+  std::size_t place(std::uint64_t id) const;
   void find_abscissae();
   void retract();
   void readvance();

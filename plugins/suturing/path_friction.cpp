@@ -9,13 +9,17 @@
 namespace sutura {
 namespace {
 
-/// Surface of a stretch of needle and thread (m^2): both are cylinders, and meet at the swage.
-Real surface(const CurveBody& thread, const Channel::Share& share) {
-  const Real swage = thread.needle_length();
-  const Real on_needle = std::max(std::min(share.high, swage) - share.low, Real(0));
-  const Real on_thread = share.high - share.low - on_needle;
-  return 2 * std::numbers::pi * (on_needle * thread.radius(0) + on_thread * thread.radius(thread.length()));
-}
+/// Surface of a stretch of needle and of thread (m^2): both are cylinders, and meet at the swage.
+struct Surface {
+  Real needle, thread;
+  Surface(const CurveBody& curve, const Channel::Share& share) {
+    const Real swage = curve.needle_length();
+    const Real on_needle = std::max(std::min(share.high, swage) - share.low, Real(0));
+    const Real on_thread = share.high - share.low - on_needle;
+    needle = 2 * std::numbers::pi * on_needle * curve.radius(0);
+    thread = 2 * std::numbers::pi * on_thread * curve.radius(curve.length());
+  }
+};
 
 }  // namespace
 
@@ -25,17 +29,24 @@ void PathFriction::describe(Describe<PathFriction>& d) {
       "the static level, slips at the kinetic one plus a viscous part.");
   d.theory(
       "Resistance of a length l of channel on a thread of diameter d (paper, section 4.5): R = mu (l pi d p + share N) with "
-      "N the force across the thread at the sample; viscous "
+      "N the force across the thread at the sample; needle and thread have a mu each. The pressure is a value, or that which opens a slit in "
+      "the tissue to the girth of what is inside: a slit of length pi d / 2 under p opens by 4 (1 - nu^2) p (pi d / 4) / E at its middle "
+      "(Sneddon 1946, plane strain), which is d at p = E / (pi (1 - nu^2)). Viscous "
       "coefficient c = l pi d alpha. With delta the slip over the step of length h and w the compliance of the row, the "
       "unique solution is lambda = -delta_0 / w while |lambda| <= R_static, else\n"
       "|slip| = (|delta_0| - w R) / (1 + w c / h), lambda = -sign(delta_0) (R + c |slip| / h).");
   d.link("path", &PathFriction::path_, "The channel.");
   d.attribute("coefficient", &PathFriction::coefficient_, "1", at_least(0),
-              "Kinetic friction coefficient mu.");
+              "Kinetic friction coefficient mu of the needle, and of the thread unless `thread_material` says otherwise.");
   d.attribute("static_coefficient", &PathFriction::static_coefficient_, "1", at_least(0),
               "Static friction coefficient; below the kinetic one it is taken equal to it.");
+  d.attribute("thread_material", &PathFriction::thread_material_, {"as_needle", "monofilament", "braided"},
+              "Surface of the thread: that of the needle, monofilament (mu 0.15) or braided (mu 0.3). Measured values scatter from 0.1 to "
+              "0.4, braids above monofilaments; the ratio of static to kinetic is that of the needle.");
   d.attribute("pressure", &PathFriction::pressure_, "Pa", at_least(0),
-              "Pressure p of the tissue on needle and thread.");
+              "Pressure p of the tissue on needle and thread, where it is given as a value.");
+  d.attribute("pressure_from", &PathFriction::pressure_from_, {"value", "tissue"},
+              "Where the pressure comes from: the value above, or the stiffness of the tissue at each sample, layer by layer.");
   d.attribute("lateral_share", &PathFriction::lateral_share_, "1", between(0, 1),
               "Share of the measured force across the thread that adds to the pressure: 0 a constant pressure, 1 the thread "
               "as on a capstan.");
@@ -55,26 +66,49 @@ void PathFriction::describe(Describe<PathFriction>& d) {
 
 void PathFriction::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  if (static_coefficient_ < coefficient_) static_coefficient_ = coefficient_;
+  static_over_kinetic_ = coefficient_ > 0 ? std::max(static_coefficient_ / coefficient_, Real(1)) : Real(1);
   blocks_.reserve(256);
+  if (pressure_from_ == PressureFrom::tissue && !(path_->tissue().elasticity({.element = 0}).young > 0))
+    setup.error(*this, "pressure_from=\"tissue\", but this tissue does not say how stiff it is; give a pressure");
 }
 
-Real PathFriction::resistance_per_length(Real radius) const {
-  return 2 * std::numbers::pi * radius * coefficient_ * pressure_;
+Real PathFriction::thread_coefficient() const {
+  switch (thread_material_) {
+    case ThreadMaterial::monofilament:
+      return 0.15;
+    case ThreadMaterial::braided:
+      return 0.3;
+    case ThreadMaterial::as_needle:
+      break;
+  }
+  return coefficient_;
+}
+
+Real PathFriction::pressure(const EmbeddedPoint& at) const {
+  if (pressure_from_ == PressureFrom::value) return pressure_;
+  const Elasticity tissue = path_->tissue().elasticity(at);
+  return tissue.young / (std::numbers::pi * (1 - tissue.poisson * tissue.poisson));
+}
+
+Real PathFriction::needle_resistance(const EmbeddedPoint& at) const {
+  return 2 * std::numbers::pi * path_->thread().radius(0) * coefficient_ * pressure(at);
 }
 
 void PathFriction::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
   limit_ = 0;
   for (const Crossing& c : path_->crossings()) {
-    const Real area = surface(path_->thread(), c.share);
+    const Surface area(path_->thread(), c.share);
     PathFrictionLaw::Params params;
     const PathSample& sample = path_->channel().samples()[c.sample];
+    const Real p = pressure(sample.at);
     // The force across the thread is that of the step before: exact in steady sliding.
-    const Real normal = area * pressure_ + lateral_share_ * sample.lateral_force;
-    params.kinetic = coefficient_ * normal;
-    params.static_level = static_coefficient_ * normal;
-    params.viscous = area * viscosity_ / context.dt;
+    const Real lateral = lateral_share_ * sample.lateral_force;
+    const bool on_needle = area.needle > area.thread;
+    params.kinetic = coefficient_ * (area.needle * p + (on_needle ? lateral : 0)) +
+                     thread_coefficient() * (area.thread * p + (on_needle ? 0 : lateral));
+    params.static_level = static_over_kinetic_ * params.kinetic;
+    params.viscous = (area.needle + area.thread) * viscosity_ / context.dt;
     params.stick_slip = stick_speed_ * context.dt;
     limit_ += params.kinetic;
     const BlockId block =

@@ -16,14 +16,21 @@ class PathFriction : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
-  /// Kinetic resistance of a length of channel at the given radius and lateral force 0 (N/m).
-  Real resistance_per_length(Real radius) const;
+  /// Kinetic resistance per length of the needle at this point of the tissue, without lateral force (N/m).
+  Real needle_resistance(const EmbeddedPoint& at) const;
 
  private:
+  enum class ThreadMaterial { as_needle, monofilament, braided };
+  enum class PressureFrom { value, tissue };
+  Real thread_coefficient() const;
+  Real pressure(const EmbeddedPoint& at) const;
   Link<SuturePath> path_;
   Real coefficient_ = 0.2;
   Real static_coefficient_ = 0;
+  Real static_over_kinetic_ = 1;
+  ThreadMaterial thread_material_ = ThreadMaterial::as_needle;
   Real pressure_ = 10e3;
+  PressureFrom pressure_from_ = PressureFrom::value;
   Real lateral_share_ = 0;
   Real viscosity_ = 0;
   Real stick_speed_ = 0;

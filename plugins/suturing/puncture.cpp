@@ -167,7 +167,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   threshold_here_ = params.puncture_force;
   params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
-  params.drag = front_ != Front::exit && drag_ ? drag_->resistance_per_length(thread.radius(0)) : 0;
+  params.drag = front_ != Front::exit && drag_ ? drag_->needle_resistance(touched_.at) : 0;
   params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
 
@@ -217,7 +217,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
 }
 
 void Puncture::begin_bite() {
-  path_->channel().enter(touched_.at);
+  // A tip that gave way beside an old mouth may have slid into that channel in the same step: it is in once, not twice.
+  if (!path_->channel().tip_inside()) path_->channel().enter(touched_.at);
   region_ = path_->tissue().region(touched_.at);
 }
 

@@ -62,7 +62,7 @@ Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real absci
   c.id = id;
   c.abscissa = std::clamp(abscissa + slip, Real(0), thread_->length());
   c.position = tissue_->position(at, Configuration::current);
-  const Vec3 tangent = thread_->tangent(c.abscissa, Configuration::current);
+  const Vec3 tangent = thread_->tangent(abscissa, Configuration::current);
   c.axes.row(0) = tangent;
   c.axes.row(1) = tangent.unitOrthogonal();
   c.axes.row(2) = tangent.cross(tangent.unitOrthogonal());
@@ -114,6 +114,22 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   }
 }
 
+/// Tells the thread where the path will hold it in the next step, if all goes on as in this one.
+void SuturePath::lead_thread(const SolvedBlocks& solved) {
+  for (const LateralBlock& b : blocks_) {
+    const Crossing& c = crossings_[b.crossing];
+    const PathSample* s = channel_->find(c.id);
+    if (s == nullptr) continue;  // the end of the channel, or left by a retracting tip
+    // Through where the thread is now, not the sample: the wall gives, and a guide does not.
+    const Vec3 moved = tissue_->position(s->at, Configuration::current) - c.position;
+    thread_->expect({.abscissa = std::clamp(s->abscissa + s->slip, Real(0), thread_->length()),
+                     .point = thread_->point(s->abscissa, Configuration::current) + moved,
+                     .tangent = thread_->tangent(s->abscissa, Configuration::current),
+                     .acted_at = c.abscissa,
+                     .force = solved.force(b.block)});
+  }
+}
+
 void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   lateral_force_ = 0;
   for (const LateralBlock& b : blocks_) {
@@ -124,6 +140,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
     }
   }
   channel_->update();
+  lead_thread(solved);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];

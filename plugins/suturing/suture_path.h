@@ -46,6 +46,7 @@ class SuturePath : public Component, public ConstraintSource {
   bool tip_blocked() const { return tip_blocked_; }
 
  private:
+  void lead_thread(const SolvedBlocks& solved);
   Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real abscissa, Real slip) const;
 
   Link<CurveBody> thread_;

@@ -129,31 +129,29 @@ void BlockTridiagonal::multiply(const VecX& x, VecX& y) const {
   }
 }
 
-void BlockTridiagonal::inverse_blocks(const std::vector<Index>& nodes,
-                                      std::vector<Mat6>& inverse) const {
-  const auto k = static_cast<Index>(nodes.size());
-  inverse.resize(static_cast<std::size_t>(k * k));
+void BlockTridiagonal::condense(const std::vector<Index>& nodes, std::vector<Mat6>& own,
+                                std::vector<Mat6>& transfer) const {
+  const std::size_t k = nodes.size();
+  own.resize(k);
+  transfer.resize(k);
   if (k == 0) return;
-  // Diagonal blocks by the backward recursion; row blocks by the transfers between touched nodes,
-  // multiplied up once on the way.
-  Mat6 g = inverse_[blocks() - 1];
-  Index t = k - 1;
-  if (nodes[t] == blocks() - 1) inverse[t * k + t] = g, --t;
-  for (Index i = blocks() - 1; i-- > 0 && t >= 0;) {
-    Mat6 tg;
-    tg.noalias() = transfer_[i] * g;
+  // Diagonal blocks by the backward recursion, from the far end; transfers multiplied up between touched nodes.
+  Mat6 g = inverse_[blocks() - 1], product;
+  std::size_t t = k;
+  if (nodes[t - 1] == blocks() - 1) own[--t] = g;
+  for (Index i = blocks() - 1; i-- > 0 && t > 0;) {
+    product.noalias() = transfer_[i] * g;
     g = inverse_[i];
-    g.noalias() += tg * transfer_[i].transpose();
-    if (nodes[t] == i) inverse[t * k + t] = g, --t;
+    g.noalias() += product * transfer_[i].transpose();
+    if (nodes[t - 1] == i) own[--t] = g;
   }
-  for (Index a = k - 1; a-- > 0;) {
-    Mat6 transfer = -transfer_[nodes[a]];
+  transfer[k - 1].setZero();
+  for (std::size_t a = 0; a + 1 < k; ++a) {
+    transfer[a] = -transfer_[nodes[a]];
     for (Index i = nodes[a] + 1; i < nodes[a + 1]; ++i) {
-      const Mat6 product = transfer * transfer_[i];
-      transfer = -product;
+      product.noalias() = transfer[a] * transfer_[i];
+      transfer[a] = -product;
     }
-    for (Index b = a + 1; b < k; ++b)
-      inverse[a * k + b].noalias() = transfer * inverse[(a + 1) * k + b];
   }
 }
 

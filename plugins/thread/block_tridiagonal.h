@@ -6,7 +6,7 @@
 // S^-1 is formed explicitly, through its 3 x 3 blocks (translations, rotations): no square roots, few
 // dependent divisions, and block elimination without pivoting is exact under a scaling of each 3 x 3
 // block, so the two kinds of unit never meet. The blocks of the inverse follow from S^-1 and T:
-//   G_nn = S_n^-1, G_ii = S_i^-1 + T_i G_{i+1,i+1} T_i^T, G_ij = -G_i,.. : G_{ij} = -T_i G_{i+1,j} for i < j.
+//   G_nn = S_n^-1, G_ii = S_i^-1 + T_i G_{i+1,i+1} T_i^T, G_ij = -T_i G_{i+1,j} for i < j.
 #pragma once
 
 #include <vector>
@@ -14,8 +14,6 @@
 #include "sutura/types.h"
 
 namespace sutura::thread {
-
-using Mat6 = Eigen::Matrix<Real, 6, 6>;
 
 class BlockTridiagonal {
  public:
@@ -45,9 +43,9 @@ class BlockTridiagonal {
   /// y = A x
   void multiply(const VecX& x, VecX& y) const;
 
-  /// Blocks of the inverse between the given nodes (ascending): inverse[i * k + j] for i <= j is
-  /// A^-1 (nodes[i], nodes[j]). Cost O(blocks + k^2), against O(k blocks) by solves.
-  void inverse_blocks(const std::vector<Index>& nodes, std::vector<Mat6>& inverse) const;
+  /// The inverse between some nodes (ascending), in O(blocks): own[a] = A^-1(nodes[a], nodes[a]), and
+  /// A^-1(nodes[a], nodes[b]) = transfer[a] transfer[a+1] ... transfer[b-1] own[b] for a < b.
+  void condense(const std::vector<Index>& nodes, std::vector<Mat6>& own, std::vector<Mat6>& transfer) const;
 
   std::size_t bytes_per_block() const { return 4 * sizeof(Mat6); }
 

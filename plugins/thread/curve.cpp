@@ -52,9 +52,9 @@ Pose curve_frame(const Rod& rod, Real s, Configuration c) {
   return {curve.point(at.u), (carried(t) * roll).normalized()};
 }
 
-void curve_jacobian(const Rod& rod, Real s, PointJacobian& out) {
+void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out) {
   const CurvePlace at = place(rod, s);
-  const Cubic curve = cubic(rod, at.beam, Configuration::current);
+  const Cubic curve = cubic(rod, at.beam, c);
   const auto w = Cubic::weights(at.u);
   out.nodes = 2;
   out.width = 6;

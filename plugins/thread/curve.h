@@ -17,8 +17,8 @@ Vec3 curve_point(const Rod& rod, Real s, Configuration c);
 Vec3 curve_tangent(const Rod& rod, Real s, Configuration c);
 /// Section frame: the nodes' frames, with the twist between them spread evenly, x axis along the tangent.
 Pose curve_frame(const Rod& rod, Real s, Configuration c);
-/// d point / d (x_a, spin_a, x_b, spin_b) of the beam, at the current configuration.
-void curve_jacobian(const Rod& rod, Real s, PointJacobian& out);
+/// d point / d (x_a, spin_a, x_b, spin_b) of the beam.
+void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out);
 /// First local minimum of the distance to p met downhill from `guess` within [low, high].
 Real curve_closest(const Rod& rod, const Vec3& p, Real guess, Real low, Real high, Configuration c);
 

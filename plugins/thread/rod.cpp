@@ -47,8 +47,8 @@ void Rod::build(const RodLayout& layout) {
   twist_.assign(n - 1, 0);
   free_twist_ = twist_;
   tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &before_velocity_, &correction_,
-                  &constraint_force_})
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_, &before_velocity_,
+                  &correction_, &constraint_force_})
     v->clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -63,7 +63,7 @@ void Rod::reserve(Index beams) {
   masses_.reserve(n);
   for (auto* poses : {&rest_, &pose_, &free_}) poses->reserve(n);
   for (auto* reals : {&twist_, &free_twist_, &tension_}) reals->reserve(n);
-  for (auto* v : {&velocity_, &free_velocity_, &rhs_, &scratch_, &before_velocity_, &correction_,
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_, &before_velocity_, &correction_,
                   &constraint_force_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
@@ -249,6 +249,10 @@ void Rod::correct(Real dt, const Dofs& force) {
   constraint_force_ = force;
   answer(force);
   velocity_ = free_velocity_ + dt * rhs_;
+  // Further than this from the motion that it was linearised about, a linear answer is a fiction that rows feed on.
+  scratch_ = dt * (free_correction_ + dt * rhs_);
+  excess_turn_ = largest_turn(free_, scratch_) / most_turn;
+  if (excess_turn_ > 1) velocity_ += (1 / excess_turn_ - 1) / dt * scratch_;
   move(pose_, twist_, velocity_, dt, pose_, twist_);
   if (keep_ < 1) velocity_ *= keep_;
   for (NodeSpring& spring : springs_) {

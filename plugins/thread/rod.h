@@ -74,7 +74,11 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
+  /// Where constraints are expected to hold the rod at the end of the next step; emptied by it.
+  std::vector<Guide>& guides() { return guides_; }
   const DofVector& free_velocity() const { return free_velocity_; }
+  /// Free motion less the motion that it was linearised about, whose poses are Configuration::free.
+  const DofVector& free_correction() const { return free_correction_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
@@ -95,6 +99,8 @@ class Rod {
   Index passes() const { return passes_; }
   /// The last free motion found none that loses energy, and left the rod where it was.
   bool stuck() const { return stuck_; }
+  /// Constraints turned a beam this many times further than a step can follow; above 1 the step was shortened.
+  Real excess_turn() const { return excess_turn_; }
 
   struct StaticReport {
     bool converged = false;
@@ -125,6 +131,14 @@ class Rod {
   void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                    std::vector<Real>& twist, const Dofs& v, bool first);
   bool expected_motion(Real dt, const Vec3& gravity);
+  void start_by_inertia(Real dt, const Vec3& gravity);
+  bool guided_motion(Real dt, const Vec3& gravity);
+  void apply_guides(Real dt);
+  Real guide_energy() const;  ///< of their springs at the free poses
+  bool find_correction(Real dt, const Vec3& gravity, Real& turn);
+  void take_correction(Real dt, Real part);
+  Real take_shortened(Real dt, const Vec3& gravity, Real turn, Real value);
+  bool follow_guides(Real dt, const Vec3& gravity);
   bool linearise_ahead(Real dt, const Vec3& gravity);
   bool linearise_here(Real dt, const Vec3& gravity);
   void answer(const Dofs& force);
@@ -160,12 +174,15 @@ class Rod {
   std::vector<Pose> rest_, pose_, free_;
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
+  std::vector<Guide> guides_;
   DofVector constraint_force_;  ///< of the last step: what the next one expects to feel again
-  DofVector velocity_, free_velocity_, rhs_, scratch_, before_velocity_, correction_;
+  DofVector velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
   bool stuck_ = false;
+  static constexpr Real most_turn = 1;  ///< rad, beyond the expected motion
+  Real excess_turn_ = 0;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

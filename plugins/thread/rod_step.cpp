@@ -67,18 +67,22 @@ void Rod::add_correction(Real dt, Real part) {
 }
 
 // A taut thread in its path would leave it by millimetres if its constraints were dropped for the free motion, and a
-// linearisation there says nothing about where it will be. So the step is linearised about the motion under the constraint
-// forces of the step before, and those are then taken off again, linearly: rows still answer with their whole lambda.
+// linearisation there says nothing about where it will be. So the step is linearised about the motion that is expected with
+// constraints: led by guides where a path has left some (rod_guides.cpp), else under the constraint forces of the step before.
+// Those are then taken off again, linearly: rows still answer with their whole lambda.
 bool Rod::free_motion(Real dt, const Vec3& gravity) {
+  const bool guided = !guides_.empty() && guided_motion(dt, gravity);
+  guides_.clear();
+  if (guided) return true;
   if (!expected_motion(dt, gravity)) return false;
   answer(constraint_force_);
-  free_velocity_ -= dt * rhs_;
+  free_correction_ = -dt * rhs_;
+  free_velocity_ += free_correction_;
   return true;
 }
 
-/// Linearises where the motion of the step before leads: a turning beam then has no second-order stretch
-/// left but that of its acceleration. False if the linear system is not positive definite.
-bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
+/// The free motion as the velocity of the step before would have it; tension and start energy are those of now.
+void Rod::start_by_inertia(Real dt, const Vec3& gravity) {
   free_ = pose_;
   free_twist_ = twist_;
   free_velocity_ = velocity_;
@@ -86,6 +90,12 @@ bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
   if (clamped_.empty())
     for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
   move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+}
+
+/// Linearises where the motion of the step before leads: a turning beam then has no second-order stretch
+/// left but that of its acceleration. False if the linear system is not positive definite.
+bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
+  start_by_inertia(dt, gravity);
   assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
   if (!factor()) return false;
   matrix_.solve(Eigen::Ref<VecX>(rhs_));
@@ -148,7 +158,7 @@ bool Rod::expected_motion(Real dt, const Vec3& gravity) {
 /// difference, in the norm of the mass, to the velocity that inertia alone would keep. Weight is in the
 /// potential energy.
 Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
-  Real sum = spring_energy(free_) - dt * constraint_force_.dot(free_velocity_);
+  Real sum = spring_energy(free_) + guide_energy() - dt * constraint_force_.dot(free_velocity_);
   ElementState s;
   scratch_ = free_velocity_ - velocity_;
   for (Index e = 0; e < beams(); ++e) {
@@ -158,8 +168,41 @@ Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
   return sum;
 }
 
-// Newton from where the step began, each correction shortened until the incremental potential falls. It may
-// stop short of the minimum, which only slows the motion; the velocity carried on is then cut to what the
+/// correction_ <- the Newton correction of the free motion, `turn` the largest turn (rad) that it asks of a beam.
+bool Rod::find_correction(Real dt, const Vec3& gravity, Real& turn) {
+  ++passes_;
+  assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
+  apply_guides(dt);
+  if (!factor()) return false;
+  matrix_.solve(Eigen::Ref<VecX>(rhs_));
+  correction_ = rhs_;
+  before_velocity_ = free_velocity_;
+  scratch_ = dt * correction_;
+  turn = largest_turn(free_, scratch_);
+  predict_tension(free_, free_twist_, scratch_, std::min(1., turn_limit / turn), false);
+  return true;
+}
+
+void Rod::take_correction(Real dt, Real part) {
+  free_velocity_ = before_velocity_ + part * correction_;
+  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+}
+
+/// The largest part of the correction, halved from at most `turn_limit`, that lowers the incremental potential; none may.
+/// Returns the potential then.
+Real Rod::take_shortened(Real dt, const Vec3& gravity, Real turn, Real value) {
+  Real part = std::min(1., turn_limit / turn);
+  for (int cut = 0; cut < 20; ++cut, part /= 2) {
+    take_correction(dt, part);
+    const Real next = incremental_potential(dt, gravity);
+    if (next < value) return next;
+  }
+  take_correction(dt, 0);
+  return value;
+}
+
+// Newton from where the step began, each correction shortened until the incremental potential falls. It
+// may stop short of the minimum, which only slows the motion; the velocity carried on is then cut to what the
 // energy balance leaves. So no start and no step size makes energy grow.
 bool Rod::descend(Real dt, const Vec3& gravity) {
   free_velocity_.setZero();
@@ -170,31 +213,12 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     element_state(e, s);
     tension_[e] = s.tension;
   }
-  Real value = incremental_potential(dt, gravity);
   constexpr int most = 12;
-  for (int i = 0; i < most; ++i, ++passes_) {
-    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-    if (!factor()) return false;
-    matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    correction_ = rhs_;
-    before_velocity_ = free_velocity_;
-    scratch_ = dt * correction_;
-    const Real turn = largest_turn(free_, scratch_);
-    Real part = std::min(1., turn_limit / turn);
-    predict_tension(free_, free_twist_, scratch_, part, false);
-    Real next = value;
-    for (int cut = 0; cut < 20; ++cut, part /= 2) {
-      free_velocity_ = before_velocity_ + part * correction_;
-      move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-      next = incremental_potential(dt, gravity);
-      if (next < value) break;
-    }
-    if (!(next < value)) {
-      stuck_ = i == 0 && !(turn < 1e-6);  // at rest already if the correction is nothing
-      free_velocity_ = before_velocity_;
-      move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-      break;
-    }
+  Real value = incremental_potential(dt, gravity), turn = 0;
+  for (int i = 0; i < most; ++i) {
+    if (!find_correction(dt, gravity, turn)) return false;
+    const Real next = take_shortened(dt, gravity, turn, value);
+    if (i == 0) stuck_ = !(next < value || turn < 1e-6);  // at rest already if the correction is nothing
     if (value - next < 1e-6 * std::abs(value)) break;
     value = next;
   }

@@ -92,15 +92,11 @@ void SutureThread::build() {
             .from = needle_arc_length,
             .forced = holds_};
   // A beam is split only above twice the shortest: so many beams at most, next to those there are now.
-  Index most = rod_.beams();
   if (sampling_angle > 0) {
-    most += static_cast<Index>(thread_length / shortest_beam);
+    const Index most = rod_.beams() + static_cast<Index>(thread_length / shortest_beam);
     sampling_work_.reserve(static_cast<std::size_t>(most));
     rod_.reserve(most);
   }
-  touched_.reserve(static_cast<std::size_t>(most) + 1);
-  touched_place_.reserve(static_cast<std::size_t>(most) + 1);
-  touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
 void SutureThread::free_motion(const StepContext& context) {
@@ -114,29 +110,20 @@ void SutureThread::correct(const StepContext& context, const VecX& force) {
   if (sampling_angle > 0) resample();
 }
 
-std::string SutureThread::trouble() const {
-  if (!rod_.finite()) return "the state is no longer finite";
-  if (!factored_) return "the matrix of the step is not positive definite; the thread stayed where it was";
-  if (rod_.stuck())
-    return "no motion within this step loses energy, loads are too large for it; the thread stayed where it was";
-  return {};
-}
-
 void SutureThread::resample() {
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
   rod_.resample(sampling_work_.nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
-  touched_place_.assign(static_cast<std::size_t>(rod_.nodes()), -1);
 }
 
-/// After free motion: along the velocity, not where the nodes are. Without its constraints a taut thread may turn by a
-/// radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
+/// After free motion: where the linear answer puts it, not the curve through the free poses. Without its constraints a taut thread
+/// may turn by a radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
 Vec3 SutureThread::point(Real s, Configuration c) const {
   if (c != Configuration::free) return curve_point(rod_, s, c);
   PointJacobian J;
-  curve_jacobian(rod_, s, J);
-  Vec3 point = curve_point(rod_, s, Configuration::current);
+  curve_jacobian(rod_, s, Configuration::free, J);
+  Vec3 point = curve_point(rod_, s, Configuration::free);
   for (int k = 0; k < J.nodes; ++k) {
-    point += dt_ * J.coefficients.middleCols<6>(6 * k) * rod_.free_velocity().segment<6>(6 * J.node[k]);
+    point += dt_ * J.coefficients.middleCols<6>(6 * k) * rod_.free_correction().segment<6>(6 * J.node[k]);
   }
   return point;
 }
@@ -146,7 +133,7 @@ Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
 }
 
 void SutureThread::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
-  curve_jacobian(rod_, p.weights[0], out);
+  curve_jacobian(rod_, p.weights[0], Configuration::free, out);
 }
 
 void SutureThread::solve(Eigen::Ref<MatX> columns) const {
@@ -154,47 +141,29 @@ void SutureThread::solve(Eigen::Ref<MatX> columns) const {
   rod_.matrix().solve(columns);
 }
 
-// Only touched nodes matter: W(row, row') = dt^2 sum h_a^T G_ab h_b over the blocks G of A^-1 between
-// them, which the elimination gives in O(nodes + touched^2) (block_tridiagonal.h).
-void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
+bool SutureThread::chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const {
   const auto is_clamped = [&](Index node) {
     return std::find(rod_.clamped().begin(), rod_.clamped().end(), node) != rod_.clamped().end();
   };
-  touched_ = rows.node;
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  std::erase_if(touched_, is_clamped);
-  const auto count = static_cast<Index>(touched_.size());
-  for (Index t = 0; t < count; ++t) touched_place_[touched_[t]] = t;
-  rod_.matrix().inverse_blocks(touched_, inverse_);
+  out.node = rows.node;
+  std::sort(out.node.begin(), out.node.end());
+  out.node.erase(std::unique(out.node.begin(), out.node.end()), out.node.end());
+  std::erase_if(out.node, is_clamped);
+  rod_.matrix().condense(out.node, out.own, out.transfer);
+  for (Mat6& own : out.own) own *= dt * dt;
+  return true;
+}
 
-  const auto coefficients = [&](Index entry) {
-    return Eigen::Map<const Vec6>(rows.value.data() + 6 * entry);
-  };
-  for (Index j = 0; j < rows.size(); ++j) {
-    for (Index f = rows.start[j]; f < rows.start[j + 1]; ++f) {
-      const Index b = touched_place_[rows.node[f]];
-      if (b < 0) continue;
-      // Column of A^-1 H^T for this entry, only where a row needs it.
-      Index previous = -1;
-      Vec6 column = Vec6::Zero();
-      for (Index i = 0; i < rows.size(); ++i) {
-        Real sum = 0;
-        for (Index e = rows.start[i]; e < rows.start[i + 1]; ++e) {
-          const Index a = touched_place_[rows.node[e]];
-          if (a < 0) continue;
-          if (a != previous) {
-            if (a <= b) column.noalias() = inverse_[a * count + b] * coefficients(f);
-            else column.noalias() = inverse_[b * count + a].transpose() * coefficients(f);
-            previous = a;
-          }
-          sum += coefficients(e).dot(column);
-        }
-        W(rows.row[i], rows.row[j]) += dt * dt * sum;
-      }
-    }
-  }
-  for (const Index node : touched_) touched_place_[node] = -1;
+std::string SutureThread::trouble() const {
+  if (!rod_.finite()) return "the state is no longer finite";
+  if (!factored_) return "the matrix of the step is not positive definite; the thread stays where it is";
+  if (rod_.stuck())
+    return "no motion within this step loses energy, loads are too large for it; the thread stays where it is";
+  if (rod_.excess_turn() > 1)
+    return "constraints turn a beam by more than " + std::to_string(std::lround(rod_.excess_turn())) +
+           " rad in one step, the step was cut short: the beams are too long for so soft a thread (see sampling_angle, "
+           "thread_beams), or the step is";
+  return {};
 }
 
 Real SutureThread::radius(Real s) const {

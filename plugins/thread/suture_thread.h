@@ -38,7 +38,7 @@ class SutureThread : public Component, public CurveBody {
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
-  void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
+  bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const override;
   void correct(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override { return rod_.momentum(); }
   Real mass() const override { return rod_.mass(); }
@@ -59,6 +59,7 @@ class SutureThread : public Component, public CurveBody {
                         Configuration c) const override {
     return curve_closest(rod_, p, guess, low, high, c);
   }
+  void expect(const Guide& guide) override { rod_.guides().push_back(guide); }
   Index add_hold(Real s) override;
   void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
   void release_hold(Index hold) override;
@@ -81,9 +82,6 @@ class SutureThread : public Component, public CurveBody {
   std::vector<Real> holds_;  ///< abscissae
   bool factored_ = true;
   Real dt_ = 0;
-  // Work space of add_compliance.
-  mutable std::vector<Index> touched_, touched_place_;
-  mutable std::vector<Mat6> inverse_;
 };
 
 }  // namespace sutura::thread

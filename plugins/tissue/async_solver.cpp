@@ -83,7 +83,7 @@ bool AsyncSolver::wants_new_factor() const {
       return a.snapshot == step_ && a.step > a.snapshot;
     });
   return last_iterations_ > options_.refactor_iterations || candidates_.outgrown() ||
-         step_ - current_->snapshot->step >= options_.max_age;
+         4 * (step_ - current_->snapshot->step) >= 3 * options_.max_age;  // in time for the worker
 }
 
 bool AsyncSolver::is_due() const {

@@ -30,7 +30,7 @@ struct AsyncOptions {
   /// (AsyncSolver::adoptions), whose results are then repeated bit by bit.
   std::vector<Adoption> replay;
   Index refactor_iterations = 2;  ///< a step that needed more asks for a new factor
-  Index max_age = 200;            ///< steps; an older factor is replaced anyway, and called stale
+  Index max_age = 200;            ///< steps; at three quarters of it a factor is replaced anyway, past it it is stale
   /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot here. The
   /// result is the same.
   Real patience = 10;

@@ -67,7 +67,7 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
   d.attribute("refactor_iterations", &AsyncPreconditioner::refactor_iterations, at_least(0),
               "A step that needed more iterations asks for a new factor.");
   d.attribute("max_age", &AsyncPreconditioner::max_age, at_least(1),
-              "Age in steps at which a factor is replaced whatever the iterations.");
+              "Age in steps that no factor should reach: at three quarters of it a new one is asked for, whatever the iterations.");
   describe_backend(d);
   describe_outputs(d);
 }

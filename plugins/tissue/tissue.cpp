@@ -143,6 +143,11 @@ std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Confi
 Vec3 Tissue::surface_normal(Index triangle, Configuration c) const {
   return queries(c).surface_normal(triangle);
 }
+Elasticity Tissue::elasticity(const EmbeddedPoint& p) const {
+  const Material& m = tet_material_[static_cast<std::size_t>(p.element)];
+  return {m.young, m.poisson};
+}
+
 int Tissue::region(const EmbeddedPoint& p) const {
   return mesh->data().region[p.element];
 }

@@ -81,6 +81,7 @@ class Tissue : public Component, public SolidBody {
                                        Configuration c) const override;
   Vec3 surface_normal(Index triangle, Configuration c) const override;
   int region(const EmbeddedPoint& p) const override;
+  Elasticity elasticity(const EmbeddedPoint& p) const override;
 
  private:
   const SolidQueries& queries(Configuration c) const {

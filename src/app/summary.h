@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "sutura/simulation.h"
 
@@ -38,6 +39,13 @@ class Summary {
   Index first_troubled_step_ = 0;
   std::string first_trouble_;
   std::array<double, stage_names.size()> seconds_{};
+  /// How the compliance of a body with an operator form was kept.
+  struct Form {
+    std::string body;
+    Index steps = 0, as_operator = 0;
+    double assembled_count = 0, operator_count = 0;
+  };
+  std::vector<Form> forms_;
   Track blocks_, rows_, sweeps_, residual_, violation_;
 };
 

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "runtime/gauss_seidel_component.h"
+#include "solve/compliance_stage.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
@@ -59,11 +60,11 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   }
   if (!diagnostics.ok()) return nullptr;
 
-  std::vector<const Body*> bodies;
   for (Component* c : document) {
     if (auto* body = dynamic_cast<Body*>(c)) {
       s->bodies_.push_back({c->path(), body});
-      bodies.push_back(body);
+      s->const_bodies_.push_back(body);
+      s->report_.compliance.push_back({.body = c->path()});
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
@@ -86,7 +87,8 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   for (Component* c : order.components()) {
     if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
   }
-  s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, std::move(bodies));
+  s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
+  s->compliance_ = std::make_unique<ComplianceStage>();
   return s;
 }
 

@@ -11,12 +11,14 @@ class GaussSeidel : public Component, public ConstraintSolver {
   static void describe(Describe<GaussSeidel>& d);
   void initialise(Setup& setup) override;
   SolveReport solve(ConstraintProblem& problem) override;
+  ComplianceForm compliance_form() const override { return compliance_; }
 
  private:
   Real tolerance_ = 1e-5;
   Index sweeps_ = 1000;
   Index seed_ = 1;
   Acceleration acceleration_ = Acceleration::subspace;
+  ComplianceForm compliance_ = ComplianceForm::automatic;
   std::string dump_;
   Index dump_every_ = 0;
 

@@ -1,6 +1,7 @@
 // The time step: what happens, in which order. docs/step.md explains each stage.
 #include "base/stage_timer.h"
 #include "solve/compliance_check.h"
+#include "solve/compliance_stage.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
@@ -32,14 +33,10 @@ const StepReport& Simulation::step() {
   report_.blocks = static_cast<Index>(problem_.blocks.size());
   report_.rows = problem_.rows();
 
-  // W = h^2 H A^-1 H^T, the sum over bodies.
+  // W = h^2 H A^-1 H^T: assembled, or an operator where the body is a chain and that is cheaper.
   timer.enter(Stage::compliance);
-  problem_.W.setZero(problem_.rows(), problem_.rows());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (problem_.bodies[i].size() > 0) {
-      bodies_[i].body->add_compliance(problem_.bodies[i], context.dt, problem_.W);
-    }
-  }
+  compliance_->run(const_bodies_, problem_, context.dt, solver_->compliance_form(), report_.solve,
+                   report_.compliance);
 
   // lambda and the state of every block.
   timer.enter(Stage::solve);
@@ -89,18 +86,16 @@ bool Simulation::has_approximate_body() const {
 /// micrometre from what W said, takes the difference into d_free and solves once more.
 void Simulation::check_compliance(const StepContext& context) {
   constexpr Real tolerance = 1e-6;  // m; a hundredth of the length unit of most blocks
-  std::vector<const Body*> bodies;
-  for (const NamedBody& b : bodies_) bodies.push_back(b.body);
   const VecX d_free = problem_.d_free;
   VecX error;
-  report_.compliance_error = compliance_error(bodies, problem_, d_free, context.dt, error);
+  report_.compliance_error = compliance_error(const_bodies_, problem_, d_free, context.dt, error);
   report_.first_compliance_error = report_.compliance_error;
   if (report_.compliance_error <= tolerance) return;
   problem_.d_free += error;
   const Index events = report_.solve.events;
   report_.solve = solver_->solve(problem_);
   report_.solve.events += events;
-  report_.compliance_error = compliance_error(bodies, problem_, d_free, context.dt, error);
+  report_.compliance_error = compliance_error(const_bodies_, problem_, d_free, context.dt, error);
 }
 
 double StepReport::total_seconds() const {

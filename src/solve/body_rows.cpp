@@ -27,6 +27,8 @@ void BodyRows::add_product(const VecX& u, VecX& delta) const {
                            .dot(Eigen::Map<const VecX>(&value[static_cast<std::size_t>(e * width)], width));
 }
 
+bool Body::chain_compliance(const BodyRows&, Real, ChainCompliance&) const { return false; }
+
 void Body::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
   // Few columns at a time: the solve profits from several right-hand sides, the memory stays in cache.
   constexpr Index chunk = 16;

@@ -10,6 +10,7 @@ namespace sutura {
 ConstraintBuilder::ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies)
     : problem_(problem), bodies_(std::move(bodies)) {
   problem_.bodies.resize(bodies_.size());
+  problem_.chains.resize(bodies_.size());
 }
 
 void ConstraintBuilder::begin() {

@@ -20,20 +20,20 @@ void BlockGaussSeidel::shuffle() {
 
 void BlockGaussSeidel::sweep(ConstraintProblem& problem) {
   shuffle();
+  compliance_.begin_sweep();
   for (const std::size_t i : order_) {
     ConstraintBlock& b = problem.blocks[i];
     const int dim = b.law->dim;
-    const Real* W = diagonal_[i];
     Real* lambda = problem.lambda.data() + b.first_row;
-    Real d[max_block_dim], old[max_block_dim];
-    own_free_violation(dim, W, problem.delta.data() + b.first_row, lambda, d);
-    std::copy_n(lambda, dim, old);
-    b.law->project({W, d, problem.block_params(b), &b.mode, lambda});
-    // delta is kept up to date by columns: W is symmetric and stored by columns.
-    for (int k = 0; k < dim; ++k)
-      if (const Real change = lambda[k] - old[k]; change != 0)
-        problem.delta += change * problem.W.col(b.first_row + k);
+    Real delta[max_block_dim], d[max_block_dim], change[max_block_dim];
+    compliance_.displacement(problem, i, delta);
+    own_free_violation(dim, compliance_[i], delta, lambda, d);
+    std::copy_n(lambda, dim, change);
+    b.law->project({compliance_[i], d, problem.block_params(b), &b.mode, lambda});
+    for (int k = 0; k < dim; ++k) change[k] = lambda[k] - change[k];
+    compliance_.add_change(problem, i, change);
   }
+  compliance_.end_sweep(problem);
 }
 
 void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {
@@ -41,7 +41,7 @@ void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {
   const Real gradient = (problem.lambda - before_).squaredNorm();
   if (last_gradient_ > 0 && gradient <= last_gradient_) {
     problem.lambda += (gradient / last_gradient_) * search_;
-    update_delta(problem);
+    compliance_.update_delta(problem);
   }
   search_ = problem.lambda - before_;
   last_gradient_ = gradient;
@@ -59,7 +59,7 @@ bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index 
 SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   SolveReport report;
   if (problem.blocks.empty()) return report;
-  diagonal_.extract(problem);
+  compliance_.prepare(problem);
   subspace_.begin();
   random_ = options_.seed;
   order_.resize(problem.blocks.size());
@@ -68,8 +68,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   search_.setZero(problem.rows());
 
   if (!problem.lambda.allFinite()) problem.lambda.setZero();
-  update_delta(problem);
-  Residual residual = natural_map(problem, diagonal_, lambda_plus_);
+  compliance_.update_delta(problem);
+  Residual residual = natural_map(problem, compliance_, lambda_plus_);
   Index pause = 0;  // sweeps before the next direct step
   Index wait = 1;
   while (true) {
@@ -80,7 +80,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
       const Index fired = fire_events(problem);
       if (fired > 0) {
         report.events += fired;
-        residual = natural_map(problem, diagonal_, lambda_plus_);
+        residual = natural_map(problem, compliance_, lambda_plus_);
         pause = 0;
         wait = 1;
         last_gradient_ = 0;
@@ -94,15 +94,15 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     sweep(problem);
     ++report.sweeps;
     if (options_.acceleration == Acceleration::nncg) conjugate(problem);
-    residual = natural_map(problem, diagonal_, lambda_plus_);
+    residual = natural_map(problem, compliance_, lambda_plus_);
 
     if (options_.acceleration == Acceleration::subspace && residual.value > options_.tolerance &&
         --pause < 0) {
-      const Index free = subspace_.gather(problem, diagonal_, lambda_plus_);
+      const Index free = subspace_.gather(problem, compliance_, lambda_plus_);
       if (direct_step_pays(problem, free, before, residual.value)) {
         const Real swept = residual.value;
-        residual = subspace_.newton(problem, diagonal_, residual, options_.tolerance, lambda_plus_,
-                                    report.direct_solves, wait == 4 || wait == 8);
+        residual = subspace_.newton(problem, compliance_, residual, options_.tolerance, lambda_plus_,
+                                    report, wait == 4 || wait == 8);
         // Modes were not right yet: let sweeps find them, longer each time.
         wait = residual.value < 0.1 * swept ? 1 : 2 * wait;
         pause = wait;

@@ -1,4 +1,4 @@
-// Block Gauss-Seidel on the assembled W, with events and a direct step. docs/theory/solver.md.
+// Block Gauss-Seidel, with events and a direct step, on W in whatever form it comes (compliance.h). docs/theory/solver.md.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ class BlockGaussSeidel {
   bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
 
   GaussSeidelOptions options_;
-  DiagonalBlocks diagonal_;
+  Compliance compliance_;
   SubspaceStep subspace_;
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;

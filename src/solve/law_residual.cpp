@@ -5,18 +5,6 @@
 
 namespace sutura {
 
-void DiagonalBlocks::extract(const ConstraintProblem& problem) {
-  values_.clear();
-  offset_.clear();
-  for (const ConstraintBlock& b : problem.blocks) {
-    offset_.push_back(values_.size());
-    const Index dim = b.law->dim;
-    for (Index j = 0; j < dim; ++j)
-      for (Index i = 0; i < dim; ++i)
-        values_.push_back(problem.W(b.first_row + i, b.first_row + j));
-  }
-}
-
 Real Residual::add(const ConstraintBlock& block, const Real* W, const Real* change) {
   const int dim = block.law->dim;
   Real force = 0, length = 0;
@@ -35,7 +23,7 @@ Real Residual::add(const ConstraintBlock& block, const Real* W, const Real* chan
   return here;
 }
 
-Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus,
+Residual natural_map(ConstraintProblem& problem, const Compliance& compliance, VecX& lambda_plus,
                      std::vector<Real>* per_block) {
   if (per_block != nullptr) per_block->resize(problem.blocks.size());
   Residual residual;
@@ -43,7 +31,7 @@ Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     ConstraintBlock& b = problem.blocks[i];
     const int dim = b.law->dim;
-    const Real* W = diagonal[i];
+    const Real* W = compliance[i];
     const Real* lambda = problem.lambda.data() + b.first_row;
     Real* plus = lambda_plus.data() + b.first_row;
     Real d[max_block_dim], change[max_block_dim];

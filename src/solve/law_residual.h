@@ -4,20 +4,10 @@
 
 #include <vector>
 
+#include "solve/compliance.h"
 #include "sutura/constraints.h"
 
 namespace sutura {
-
-/// The blocks of W on its diagonal, packed, so that a law gets a contiguous matrix.
-class DiagonalBlocks {
- public:
-  void extract(const ConstraintProblem& problem);
-  const Real* operator[](std::size_t block) const { return &values_[offset_[block]]; }
-
- private:
-  std::vector<Real> values_;
-  std::vector<std::size_t> offset_;
-};
 
 struct Residual {
   Real value = 0;      ///< largest over the blocks, in their units
@@ -28,14 +18,8 @@ struct Residual {
 
 /// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given, receives the residual
 /// of each block.
-Residual natural_map(ConstraintProblem& problem, const DiagonalBlocks& diagonal, VecX& lambda_plus,
+Residual natural_map(ConstraintProblem& problem, const Compliance& compliance, VecX& lambda_plus,
                      std::vector<Real>* per_block = nullptr);
-
-/// delta <- W lambda + d_free.
-inline void update_delta(ConstraintProblem& problem) {
-  problem.delta = problem.d_free;
-  problem.delta.noalias() += problem.W * problem.lambda;
-}
 
 /// Fires what is due, all at once; returns how many.
 Index fire_events(ConstraintProblem& problem);

@@ -5,10 +5,10 @@
 
 namespace sutura {
 
-void ReferenceSolver::set_rho(const ConstraintProblem& problem, Real rho) {
+void ReferenceSolver::set_rho(Real rho) {
   rho_ = rho;
   penalty_ = rho * weight_;
-  MatX M = problem.W;
+  MatX M = W_;
   M.diagonal() += penalty_;
   factor_.compute(M);
 }
@@ -38,8 +38,8 @@ Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real tar
       }
     }
     if (k % 5 != 4 && k + 1 != count) continue;
-    update_delta(problem);
-    residual = natural_map(problem, diagonal_, lambda_plus_);
+    compliance_.update_delta(problem);
+    residual = natural_map(problem, compliance_, lambda_plus_);
     if (!(residual.value > target)) break;
     // Balance: x and z apart (rho too small), z still moving (rho too large).
     const Real apart = (x_ - z).cwiseProduct(penalty_).norm();
@@ -47,7 +47,7 @@ Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real tar
     if (k % 25 == 24 && moving > 0 && apart > 0) {
       const Real ratio = apart / moving;
       if (ratio > 10 || ratio < 0.1)
-        set_rho(problem, std::clamp(rho_ * std::clamp(std::sqrt(ratio), 0.1, 10.0), 1e-9, 1e6));
+        set_rho(std::clamp(rho_ * std::clamp(std::sqrt(ratio), 0.1, 10.0), 1e-9, 1e6));
     }
   }
   return residual;
@@ -56,20 +56,21 @@ Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real tar
 SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
   SolveReport report;
   if (problem.blocks.empty()) return report;
-  diagonal_.extract(problem);
+  compliance_.prepare(problem);
+  W_ = assembled_compliance(problem);
   subspace_.begin();
   weight_.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     const ConstraintBlock& b = problem.blocks[i];
     Real mean = 0;
-    for (int j = 0; j < b.law->dim; ++j) mean += diagonal_[i][j + j * b.law->dim] / b.law->dim;
+    for (int j = 0; j < b.law->dim; ++j) mean += compliance_[i][j + j * b.law->dim] / b.law->dim;
     weight_.segment(b.first_row, b.law->dim).setConstant(mean > 0 ? mean : 1);
   }
-  set_rho(problem, 0.1);
+  set_rho(0.1);
 
-  update_delta(problem);
+  compliance_.update_delta(problem);
   s_ = problem.delta;
-  Residual residual = natural_map(problem, diagonal_, lambda_plus_);
+  Residual residual = natural_map(problem, compliance_, lambda_plus_);
   // Newton from further and further down, until it converges.
   Real target = 1e-2;
   while (true) {
@@ -77,7 +78,7 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
       const Index fired = fire_events(problem);
       if (fired == 0) break;
       report.events += fired;
-      residual = natural_map(problem, diagonal_, lambda_plus_);
+      residual = natural_map(problem, compliance_, lambda_plus_);
       target = 1e-2;
       continue;
     }
@@ -88,12 +89,12 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
     if (options_.newton) {
       const VecX lambda = problem.lambda;
       const Residual polished =
-          subspace_.newton(problem, diagonal_, residual, options_.tolerance, lambda_plus_,
-                           report.direct_solves, target < 1e-4);
+          subspace_.newton(problem, compliance_, residual, options_.tolerance, lambda_plus_,
+                           report, target < 1e-4);
       if (polished.value <= 0.1 * residual.value) s_ = problem.delta;
       else problem.lambda = lambda;  // not near enough: ADMM goes on where it was
-      update_delta(problem);
-      residual = natural_map(problem, diagonal_, lambda_plus_);
+      compliance_.update_delta(problem);
+      residual = natural_map(problem, compliance_, lambda_plus_);
       target = std::max(0.1 * target, options_.tolerance);
     }
   }

@@ -28,12 +28,13 @@ class ReferenceSolver {
   SolveReport solve(ConstraintProblem& problem);  ///< `sweeps` counts ADMM iterations
 
  private:
-  void set_rho(const ConstraintProblem& problem, Real rho);
+  void set_rho(Real rho);
   /// Iterates at most `count` times or until the law residual falls below `target`.
   Residual admm(ConstraintProblem& problem, Index count, Real target, Index& iterations);
 
   ReferenceOptions options_;
-  DiagonalBlocks diagonal_;
+  Compliance compliance_;
+  MatX W_;  // of all bodies
   SubspaceStep subspace_;
   Eigen::LLT<MatX> factor_;
   Real rho_ = 0;

@@ -9,11 +9,11 @@ namespace sutura {
 
 void SubspaceStep::begin() { factored_ = false; }
 
-void SubspaceStep::take_tangent(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+void SubspaceStep::take_tangent(const ConstraintProblem& problem, Compliance& compliance,
                                 const VecX& lambda_plus, std::size_t block) {
   const ConstraintBlock& b = problem.blocks[block];
   const int dim = b.law->dim;
-  const Real* W = diagonal[block];
+  const Real* W = compliance[block];
   // What the block itself sees at lambda_plus: the pair is on its law's graph.
   Real delta[max_block_dim], plus[max_block_dim];
   for (int k = 0; k < dim; ++k) plus[k] = lambda_plus[b.first_row + k];
@@ -27,12 +27,12 @@ void SubspaceStep::take_tangent(const ConstraintProblem& problem, const Diagonal
   b.law->free_directions({W, delta, problem.block_params(b), &mode, plus}, tangents_[block]);
 }
 
-Index SubspaceStep::gather(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+Index SubspaceStep::gather(const ConstraintProblem& problem, Compliance& compliance,
                            const VecX& lambda_plus) {
   tangents_.resize(problem.blocks.size());
   base_.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i)
-    take_tangent(problem, diagonal, lambda_plus, i);
+    take_tangent(problem, compliance, lambda_plus, i);
   collect(problem);
   return static_cast<Index>(now_.directions.size());
 }
@@ -71,28 +71,22 @@ Real SubspaceStep::left_of(const ConstraintProblem& problem, Index direction) co
   return r;
 }
 
-void SubspaceStep::assemble(const ConstraintProblem& problem) {
+void SubspaceStep::assemble(const ConstraintProblem& problem, Compliance& compliance) {
   const auto f = static_cast<Index>(now_.directions.size());
   if (matrix_.rows() < f) matrix_.resize(f, f);
-  if (column_.size() < problem.rows()) column_.resize(problem.rows());
+  auto G = matrix_.topLeftCorner(f, f);
+  G.setZero();
+  combinations_.clear();
   for (Index j = 0; j < f; ++j) {
-    const Direction& dj = now_.directions[static_cast<std::size_t>(j)];
-    auto w = column_.head(problem.rows());
-    w.setZero();
-    for (std::size_t e = dj.first; e < dj.end; ++e)
-      if (now_.entries[e].move != 0)
-        w += now_.entries[e].move * problem.W.col(now_.entries[e].row);
-    for (Index i = symmetric_ ? j : 0; i < f; ++i) {
-      const Direction& di = now_.directions[static_cast<std::size_t>(i)];
-      Real g = 0;
-      for (std::size_t e = di.first; e < di.end; ++e)
-        g += now_.entries[e].test * w[now_.entries[e].row];
-      if (di.block == dj.block)
-        g += now_.compliance[static_cast<std::size_t>(j) * max_block_dim +
-                             static_cast<std::size_t>(di.index)];
-      matrix_(i, j) = g;
-    }
+    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
+    const FreeDirectionsView& tangent = tangents_[d.block];
+    const int first = d.index * problem.blocks[d.block].law->dim;
+    combinations_.push_back({d.block, tangent.move + first, tangent.test + first, j});
+    const Index first_of_block = j - d.index;  // directions of one block are consecutive
+    for (int i = symmetric_ ? d.index : 0; i < tangent.count; ++i)
+      G(first_of_block + i, j) += now_.compliance[static_cast<std::size_t>(j) * max_block_dim + static_cast<std::size_t>(i)];
   }
+  compliance.add_products(problem, combinations_, symmetric_, G);
 }
 
 bool SubspaceStep::factorise() {
@@ -117,13 +111,14 @@ bool SubspaceStep::factorise() {
   return true;
 }
 
-bool SubspaceStep::solve(ConstraintProblem& problem) {
+bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report) {
   const auto f = static_cast<Index>(now_.directions.size());
   problem.lambda = base_;
-  update_delta(problem);
+  compliance.update_delta(problem);
   if (f == 0) return true;
   if (!unchanged()) {
-    assemble(problem);
+    assemble(problem, compliance);
+    ++report.factorisations;
     factored_ = factorise();
     if (!factored_) return false;
     factored_with_ = now_;
@@ -144,7 +139,7 @@ bool SubspaceStep::solve(ConstraintProblem& problem) {
     for (std::size_t e = d.first; e < d.end; ++e)
       problem.lambda[now_.entries[e].row] += now_.entries[e].move * y_[j];
   }
-  update_delta(problem);
+  compliance.update_delta(problem);
 
   // Rows that contradict each other have no solution; the regularised one is huge and must not be taken.
   Real left = 0;
@@ -161,29 +156,29 @@ bool SubspaceStep::solve(ConstraintProblem& problem) {
   return problem.lambda.allFinite() && left <= 1e-2 * asked;
 }
 
-Residual SubspaceStep::newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance,
                               Residual residual, Real tolerance, VecX& lambda_plus,
-                              Index& direct_solves, bool may_walk) {
+                              SolveReport& report, bool may_walk) {
   constexpr int most_steps = 12;
   const VecX& start = start_lambda_ = problem.lambda;
   best_ = residual;
   best_lambda_ = problem.lambda;
   for (int step = 0; step < most_steps && residual.value > tolerance; ++step) {
-    gather(problem, diagonal, lambda_plus);
-    if (!solve(problem)) break;
-    ++direct_solves;
-    residual = natural_map(problem, diagonal, lambda_plus);
+    gather(problem, compliance, lambda_plus);
+    if (!solve(problem, compliance, report)) break;
+    ++report.direct_solves;
+    residual = natural_map(problem, compliance, lambda_plus);
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
   }
   if (may_walk && best_.value > tolerance) {
     problem.lambda = start;
-    update_delta(problem);
-    walk(problem, diagonal, tolerance, lambda_plus, direct_solves);
+    compliance.update_delta(problem);
+    walk(problem, compliance, tolerance, lambda_plus, report);
   }
   problem.lambda = best_lambda_;
-  update_delta(problem);
-  return natural_map(problem, diagonal, lambda_plus);
+  compliance.update_delta(problem);
+  return natural_map(problem, compliance, lambda_plus);
 }
 
 void SubspaceStep::keep_best(const ConstraintProblem& problem, const Residual& residual) {
@@ -192,33 +187,33 @@ void SubspaceStep::keep_best(const ConstraintProblem& problem, const Residual& r
   best_lambda_ = problem.lambda;
 }
 
-void SubspaceStep::hold(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+void SubspaceStep::hold(const ConstraintProblem& problem, Compliance& compliance,
                         const VecX& lambda, std::size_t block) {
   const ConstraintBlock& b = problem.blocks[block];
   const int dim = b.law->dim;
   Real d[max_block_dim], delta[max_block_dim], plus[max_block_dim];
   const Real none[max_block_dim] = {};
-  own_free_violation(dim, diagonal[block], none, lambda.data() + b.first_row, d);
+  own_free_violation(dim, compliance[block], none, lambda.data() + b.first_row, d);
   std::copy_n(lambda.data() + b.first_row, dim, plus);
   Mode mode = b.mode;
-  b.law->project({diagonal[block], d, problem.block_params(b), &mode, plus});
+  b.law->project({compliance[block], d, problem.block_params(b), &mode, plus});
   for (int k = 0; k < dim; ++k) {
     delta[k] = d[k];
-    for (int j = 0; j < dim; ++j) delta[k] += diagonal[block][k + j * dim] * plus[j];
+    for (int j = 0; j < dim; ++j) delta[k] += compliance[block][k + j * dim] * plus[j];
     base_[b.first_row + k] = plus[k];
   }
-  b.law->free_directions({diagonal[block], delta, problem.block_params(b), &mode, plus},
+  b.law->free_directions({compliance[block], delta, problem.block_params(b), &mode, plus},
                          tangents_[block]);
 }
 
-bool SubspaceStep::admissible(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& compliance,
                               const VecX& lambda, std::size_t block) const {
   using Small = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, max_block_dim, max_block_dim>;
   using SmallVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, max_block_dim, 1>;
   const ConstraintBlock& b = problem.blocks[block];
   const FreeDirectionsView& free = tangents_[block];
   const int dim = b.law->dim, f = free.count;
-  const Eigen::Map<const MatX> W(diagonal[block], dim, dim), move(free.move, dim, f),
+  const Eigen::Map<const MatX> W(compliance[block], dim, dim), move(free.move, dim, f),
       test(free.test, dim, f);
   const SmallVector l = lambda.segment(b.first_row, dim);
   // Coordinates of l on the tangent, and the smallest delta that the tangent then asks for.
@@ -232,17 +227,17 @@ bool SubspaceStep::admissible(const ConstraintProblem& problem, const DiagonalBl
   const SmallVector delta = test * tests.ldlt().solve(asked);
   SmallVector d = delta - W * l, plus = l;
   Mode mode = b.mode;
-  b.law->project({diagonal[block], d.data(), problem.block_params(b), &mode, plus.data()});
+  b.law->project({compliance[block], d.data(), problem.block_params(b), &mode, plus.data()});
   return (plus - l).norm() <= 1e-9 * (l.norm() + 1e-3 * b.units.force);
 }
 
-void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Real tolerance,
-                        VecX& lambda_plus, Index& direct_solves) {
+void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance,
+                        VecX& lambda_plus, SolveReport& report) {
   const std::size_t blocks = problem.blocks.size();
-  natural_map(problem, diagonal, lambda_plus, &block_residual_);
+  natural_map(problem, compliance, lambda_plus, &block_residual_);
   for (std::size_t i = 0; i < blocks; ++i) {
-    if (block_residual_[i] <= tolerance) take_tangent(problem, diagonal, lambda_plus, i);
-    else hold(problem, diagonal, problem.lambda, i);
+    if (block_residual_[i] <= tolerance) take_tangent(problem, compliance, lambda_plus, i);
+    else hold(problem, compliance, problem.lambda, i);
   }
   // At most 1e9 multiplications, some tenths of a second: counted, not timed, so that results do not depend on the machine.
   const Real n = static_cast<Real>(problem.rows());
@@ -253,13 +248,13 @@ void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagon
   for (std::size_t step = 0; step < most_steps; ++step) {
     collect(problem);
     from = problem.lambda;
-    if (!solve(problem)) return;
-    ++direct_solves;
+    if (!solve(problem, compliance, report)) return;
+    ++report.direct_solves;
     way = problem.lambda - from;
     Real length = 1;
     stops_.assign(blocks, Real(2));
     for (std::size_t i = 0; i < blocks; ++i) {
-      if (tangents_[i].count == 0 || admissible(problem, diagonal, problem.lambda, i)) continue;
+      if (tangents_[i].count == 0 || admissible(problem, compliance, problem.lambda, i)) continue;
       Real low = 0, high = 1;
       const ConstraintBlock& b = problem.blocks[i];
       auto here = problem.lambda.segment(b.first_row, b.law->dim);
@@ -268,7 +263,7 @@ void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagon
       };
       for (int k = 0; k < 50; ++k) {
         at(0.5 * (low + high));
-        (admissible(problem, diagonal, problem.lambda, i) ? low : high) = 0.5 * (low + high);
+        (admissible(problem, compliance, problem.lambda, i) ? low : high) = 0.5 * (low + high);
       }
       at(1);
       stops_[i] = low;
@@ -276,11 +271,11 @@ void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagon
     }
     if (length == 1) {
       // Free to go all the way. Now the one clamped block that most wants to leave its limit may.
-      const Residual residual = natural_map(problem, diagonal, lambda_plus, &block_residual_);
+      const Residual residual = natural_map(problem, compliance, lambda_plus, &block_residual_);
       keep_best(problem, residual);
       if (!(residual.value > tolerance)) return;
       const auto worst = std::max_element(block_residual_.begin(), block_residual_.end());
-      take_tangent(problem, diagonal, lambda_plus,
+      take_tangent(problem, compliance, lambda_plus,
                    static_cast<std::size_t>(worst - block_residual_.begin()));
       continue;
     }
@@ -291,10 +286,10 @@ void SubspaceStep::walk(ConstraintProblem& problem, const DiagonalBlocks& diagon
       const ConstraintBlock& b = problem.blocks[i];
       column_.resize(problem.rows());
       column_ = from + (length + 1e-6) * way;
-      hold(problem, diagonal, column_, i);
+      hold(problem, compliance, column_, i);
       problem.lambda.segment(b.first_row, b.law->dim) = base_.segment(b.first_row, b.law->dim);
     }
-    update_delta(problem);
+    compliance.update_delta(problem);
   }
 }
 

@@ -21,14 +21,14 @@ class SubspaceStep {
   void begin();  ///< a new problem: no factor of the last one is of use
 
   /// Takes the tangents of all laws at lambda_plus (what natural_map answered). Returns the number of free directions.
-  Index gather(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+  Index gather(const ConstraintProblem& problem, Compliance& compliance,
                const VecX& lambda_plus);
 
   /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may cycle. If it does and
   /// `may_walk`, a slower walk from where it started. Leaves the best point met. lambda must be admissible for every law (as it is after
   /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
-  Residual newton(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Residual residual,
-                  Real tolerance, VecX& lambda_plus, Index& direct_solves, bool may_walk);
+  Residual newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
+                  Real tolerance, VecX& lambda_plus, SolveReport& report, bool may_walk);
 
  private:
   struct Entry {
@@ -49,13 +49,13 @@ class SubspaceStep {
     bool operator==(const System&) const = default;
   };
 
-  void take_tangent(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+  void take_tangent(const ConstraintProblem& problem, Compliance& compliance,
                     const VecX& lambda_plus, std::size_t block);
   void collect(const ConstraintProblem& problem);
   bool unchanged() const { return factored_ && now_ == factored_with_; }
   /// lambda <- the solution on the tangents, delta <- W lambda + d_free. False if there is none.
-  bool solve(ConstraintProblem& problem);
-  void assemble(const ConstraintProblem& problem);
+  bool solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report);
+  void assemble(const ConstraintProblem& problem, Compliance& compliance);
   bool factorise();
   /// test^T delta + gap of one direction.
   Real left_of(const ConstraintProblem& problem, Index direction) const;
@@ -63,17 +63,18 @@ class SubspaceStep {
   /// Active-set walk: solves on the tangents, goes towards the solution up to the first limit met, clamps what met it;
   /// once nothing is met, lets go the one clamped block that most wants to. For laws without coupling of normal and
   /// tangent this descends in energy and must end (Nocedal and Wright 2006, section 16.5).
-  void walk(ConstraintProblem& problem, const DiagonalBlocks& diagonal, Real tolerance,
-            VecX& lambda_plus, Index& direct_solves);
+  void walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance,
+            VecX& lambda_plus, SolveReport& report);
   /// The tangent of a block at its force, with the delta that lets it rest there if the law allows.
-  void hold(const ConstraintProblem& problem, const DiagonalBlocks& diagonal, const VecX& lambda,
+  void hold(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda,
             std::size_t block);
   /// Whether the block may have this force on its present tangent.
-  bool admissible(const ConstraintProblem& problem, const DiagonalBlocks& diagonal,
+  bool admissible(const ConstraintProblem& problem, Compliance& compliance,
                   const VecX& lambda, std::size_t block) const;
   void keep_best(const ConstraintProblem& problem, const Residual& residual);
 
   std::vector<FreeDirectionsView> tangents_;  // per block
+  std::vector<RowCombination> combinations_;  // per direction
   VecX base_;
   System now_, factored_with_;
   bool symmetric_ = true, factored_ = false;

@@ -17,6 +17,7 @@
 #include "solve/problem_file.h"
 #include "solve/reference_solver.h"
 #include "solve_problems.h"
+#include "solver_compliance.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
 
@@ -111,6 +112,7 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path out = argv[1];
   std::filesystem::create_directories(out);
+  if (!bench_compliance(out)) return 3;
   std::vector<Case> cases;
   for (const int samples : {20, 50, 150})
     for (const Real pull : {0.05, 0.3, 3.0}) {

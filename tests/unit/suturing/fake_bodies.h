@@ -14,6 +14,7 @@ namespace sutura::testing {
 struct RigidNeedle : Component, CurveBody {
   std::vector<Real> times{0}, travel{0};
   Real start_height = 0, length_ = 0.1, radius_ = 0.25e-3, sideways = 0;
+  Real swage = 0.1;  // where the needle ends and thread begins
   Real now_ = 0, free_ = 0;
 
   static void describe(Describe<RigidNeedle>& d) {
@@ -22,6 +23,7 @@ struct RigidNeedle : Component, CurveBody {
     d.attribute("travel", &RigidNeedle::travel, "m", any(), "Travel at those times.");
     d.attribute("start_height", &RigidNeedle::start_height, "m", any(), "Height of the tip at travel 0.");
     d.attribute("radius", &RigidNeedle::radius_, "m", above(0), "Radius.");
+    d.attribute("swage", &RigidNeedle::swage, "m", at_least(0), "Length of the needle; thread behind it.");
     d.output("travel", "m", "Travel.", [](const RigidNeedle& n) { return n.now_; });
   }
   Real at(Real t) const {
@@ -54,7 +56,7 @@ struct RigidNeedle : Component, CurveBody {
   BodyGeometry geometry() const override { return {}; }
 
   Real length() const override { return length_; }
-  Real needle_length() const override { return length_; }
+  Real needle_length() const override { return swage; }
   Real radius(Real) const override { return radius_; }
   EmbeddedPoint embed(Real s) const override { return {0, {s, 0, 0, 0}}; }
   Vec3 point(Real s, Configuration c) const override {
@@ -75,6 +77,7 @@ struct RigidNeedle : Component, CurveBody {
 /// Top at z = 0, as deep as `thickness`, wide without end; every point moves with one node on a spring.
 struct SpringSlab : Component, SolidBody {
   Real stiffness = 300, mass_ = 1e-6, thickness = 1;
+  std::vector<Real> youngs;  ///< per region, Pa; none: not known
   std::vector<Real> layers;  ///< depths at which the region number grows by one, from region 1
   Vec3 u_ = Vec3::Zero(), v_ = Vec3::Zero(), free_ = Vec3::Zero(), dv_ = Vec3::Zero();
   Real h_ = 0;
@@ -85,6 +88,7 @@ struct SpringSlab : Component, SolidBody {
     d.attribute("mass", &SpringSlab::mass_, "kg", above(0), "Mass.");
     d.attribute("thickness", &SpringSlab::thickness, "m", above(0), "Thickness.");
     d.attribute("layers", &SpringSlab::layers, "m", above(0), "Depths of the layers under the first.");
+    d.attribute("youngs", &SpringSlab::youngs, "Pa", above(0), "Young modulus per layer.");
     d.output("force", "N", "Of the spring, upwards.",
              [](const SpringSlab& s) { return -s.stiffness * s.u_.z(); });
   }
@@ -158,6 +162,10 @@ struct SpringSlab : Component, SolidBody {
     int r = 1;
     for (const Real depth : layers) r += -p.weights[2] > depth;
     return r;
+  }
+  Elasticity elasticity(const EmbeddedPoint& p) const override {
+    if (youngs.empty()) return {};
+    return {youngs[static_cast<std::size_t>(region(p) - 1)], 0.45};
   }
 };
 

@@ -5,7 +5,9 @@
 #include <cstdlib>
 
 #include "rod_builder.h"
+#include "solve/gauss_seidel.h"
 #include "suture_thread.h"
+#include "thread_problems.h"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
@@ -89,6 +91,28 @@ TEST(Allocation, NoneInTheStepOfASampledThread) {
   EXPECT_GT(events, 20);
   EXPECT_GT(quiet, 100);
   EXPECT_GT(most, least + 10);  // split and merged
+}
+
+TEST(Allocation, NoneForTheRowsOfAThreadInEitherForm) {
+  for (const ComplianceForm form : {ComplianceForm::assembled, ComplianceForm::as_operator}) {
+    test::ThreadPath path({.beams = 60, .samples = 20});
+    ConstraintProblem problem;
+    path.build(problem, form);
+    ComplianceStage stage;
+    BlockGaussSeidel solver;
+    std::vector<ComplianceReport> reports(2);
+    long before = 0;
+    SolveReport report;
+    for (int i = 0; i < 3; ++i) {
+      if (i == 2) before = allocations;
+      problem.lambda.setZero();
+      stage.run(path.bodies, problem, 0.01, form, report, reports);
+      report = solver.solve(problem);
+    }
+    EXPECT_EQ(allocations, before) << static_cast<int>(form);
+    EXPECT_GT(report.sweeps, 0);
+    EXPECT_GT(report.direct_solves, 0);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,174 @@
+// 200 small scenes drawn at random, and what must hold in every step of each of them: Newton's third law, forces inside the
+// sets that their laws admit, no irreversible event that a reference solver would not have fired, everything finite.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "house/command.h"
+#include "random_scene.h"
+#include "step_checks.h"
+#include "watched_run.h"
+
+namespace sutura::testing {
+namespace {
+
+constexpr int shards = 8, scenes_per_shard = 25;
+
+/// Largest distance by which a node of one body has moved since `x`, which becomes the present.
+Real moved(const Body& body, std::vector<Vec3>& x) {
+  const std::vector<Vec3> now = body.geometry().points;
+  Real most = 0;
+  for (std::size_t i = 0; i < now.size() && i < x.size(); ++i) most = std::max(most, (now[i] - x[i]).norm());
+  x = now;
+  return most;
+}
+
+struct Counts {
+  Index steps = 0, rows = 0, events = 0, entries = 0, layers = 0, exits = 0, retractions = 0, overruns = 0, inverted = 0;
+  Index not_converged = 0, unsolved = 0, several = 0, undecided = 0, wrong = 0;
+  Real force = 0, moment = 0, off_curve = 0, gap_excess = 0, outside = 0, off_graph = 0;
+};
+
+void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& counts) {
+  const RandomScene scene(seed);
+  WatchedRun run(scene.write(folder));
+  ASSERT_TRUE(run) << "seed " << seed;
+  Simulation& simulation = run.simulation();
+  Body& thread = run.body<CurveBody>();
+  Body& tissue = run.body<SolidBody>();
+  std::vector<Vec3> thread_x = thread.geometry().points, tissue_x = tissue.geometry().points;
+  Real slip_bound = 0, lateral_gap = 0;
+  Index step = 0;
+
+  run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after, const SolveReport& report) {
+    const std::string where = "seed " + std::to_string(seed) + " step " + std::to_string(step);
+    const ThirdLaw third = third_law(simulation, after);
+    EXPECT_LE(third.force, 1e-10) << where;
+    EXPECT_LE(third.moment, 1e-10) << where;
+    counts.force = std::max(counts.force, third.force);
+    counts.moment = std::max(counts.moment, third.moment);
+    // Rows act on the centreline: 1e-9 m is what the search for the closest point leaves.
+    EXPECT_LE(third.off_curve, 1e-9) << where;
+    counts.off_curve = std::max(counts.off_curve, third.off_curve);
+    // The gap is what is left of the last step, plus the slip and the motion by which the rows of the thread look ahead.
+    const Real bound = lateral_gap + slip_bound + third.ahead;
+    EXPECT_LE(third.gap, bound + 1e-9) << where;
+    counts.gap_excess = std::max(counts.gap_excess, third.gap - bound);
+    if (!report.converged) {
+      ++counts.not_converged;
+      return;
+    }
+    std::string who;
+    const Real outside = outside_admissible(after, who);
+    // What the solver was asked for: 1e-5 of the force unit, 0.1 N, or of fp where that is larger.
+    EXPECT_LE(outside, 2e-6) << where << " " << who;
+    counts.outside = std::max(counts.outside, outside);
+    const Real off = off_graph(after, 1e-5, who);
+    // 1e-5 of the length unit is 1e-9 m.
+    EXPECT_LE(off, 5e-9) << where << " " << who;
+    counts.off_graph = std::max(counts.off_graph, off);
+
+    const PunctureCount fired = punctures(before, after);
+    counts.entries += fired.entries, counts.layers += fired.layers, counts.exits += fired.exits;
+    const EventCheck events = check_events(before, after);
+    counts.events += report.events;
+    counts.unsolved += events.verdict == EventCheck::Verdict::unsolved;
+    counts.several += events.verdict == EventCheck::Verdict::several;
+    counts.undecided += events.verdict == EventCheck::Verdict::undecided;
+    if (events.verdict == EventCheck::Verdict::wrong) {
+      ++counts.wrong;
+      ADD_FAILURE() << where << " wrong event: " << events.text;
+    }
+  };
+
+  Real deepest = 0;
+  bool retracted = false;
+  for (; step < scene.steps; ++step) {
+    const StepReport& report = simulation.step();
+    ASSERT_TRUE(report.finite) << "seed " << seed << " step " << step;
+    // A needle pressed deeper than an element can follow: the mesh is too coarse, and the report says so.
+    for (const std::string& message : report.messages) {
+      ++counts.inverted;
+      EXPECT_NE(message.find("inverted"), std::string::npos) << "seed " << seed << " step " << step << " " << message;
+    }
+    counts.rows += report.rows;
+    slip_bound = moved(thread, thread_x) + moved(tissue, tissue_x);
+    lateral_gap = run.output("/path", "lateral_gap");
+    const Real depth = run.output("/path", "tip_depth");
+    retracted = retracted || depth < deepest - 1e-3;
+    deepest = std::max(deepest, depth);
+  }
+  counts.steps += step;
+  counts.overruns += static_cast<Index>(run.output("/puncture", "overruns"));
+  counts.retractions += retracted;
+}
+
+class RandomScenes : public ::testing::TestWithParam<int> {};
+
+TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
+  const house::TemporaryFolder folder("random_scenes_" + std::to_string(GetParam()));
+  Counts counts;
+  for (int i = 0; i < scenes_per_shard; ++i)
+    run_scene(static_cast<std::uint64_t>(GetParam() * scenes_per_shard + i + 1), folder.path(), counts);
+  std::printf("%td steps, %td rows, %td events, %td entries, %td layers, %td exits, %td overruns, %td inverted, %td retractions; "
+              "not converged %td, reference unsolved %td, several %td, undecided %td, wrong %td\n"
+              "force %.1e moment %.1e off curve %.1e gap excess %.1e outside %.1e graph %.1e\n",
+              counts.steps, counts.rows, counts.events, counts.entries, counts.layers, counts.exits, counts.overruns,
+              counts.inverted, counts.retractions, counts.not_converged, counts.unsolved, counts.several, counts.undecided, counts.wrong,
+              counts.force, counts.moment, counts.off_curve, counts.gap_excess, counts.outside, counts.off_graph);
+  // The scenes do what they are meant to.
+  EXPECT_GE(counts.events, 100);
+  EXPECT_GE(counts.entries, scenes_per_shard / 2);
+  EXPECT_GE(counts.layers + counts.exits, 1);
+  EXPECT_GE(counts.retractions, scenes_per_shard / 4);
+  EXPECT_LE(10 * counts.inverted, counts.steps);
+  // A step that is not converged says so and is not judged: one in a thousand may.
+  EXPECT_LE(1000 * counts.not_converged, counts.steps);
+  // Where the reference fails, or where the laws have several solutions, no event can be called wrong: as rare.
+  EXPECT_LE(1000 * (counts.unsolved + counts.several + counts.undecided), counts.steps);
+  EXPECT_EQ(counts.wrong, 0);
+}
+
+/// The checks above see what they are there for: each is shown a solution with one thing wrong.
+TEST(StepChecks, FindWhatIsWrong) {
+  const house::TemporaryFolder folder("step_checks");
+  const RandomScene scene(2);
+  WatchedRun run(scene.write(folder.path()));
+  ASSERT_TRUE(run);
+  Index punctured = 0, dragged = 0;
+  run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after, const SolveReport& report) {
+    std::string who;
+    if (punctures(before, after).entries > 0) {
+      ++punctured;
+      ConstraintProblem early = before;  // as if the surface had held
+      EXPECT_EQ(check_events(before, early).verdict, EventCheck::Verdict::wrong);
+    } else if (report.events == 0 && punctured == 0 && after.lambda.norm() > 1e-3) {
+      ConstraintProblem late = after;  // as if it had given way below its threshold
+      late.blocks.front().mode = 1;
+      EXPECT_EQ(check_events(before, late).verdict, EventCheck::Verdict::wrong);
+    }
+    if (after.blocks.size() < 4) return;
+    ++dragged;
+    ConstraintProblem off = after;
+    off.bodies[0].value[0] *= 1 + 1e-6;  // one coefficient of one row
+    const ThirdLaw third = third_law(run.simulation(), off);
+    EXPECT_GT(third.force + third.moment, 1e-10);
+    for (const ConstraintBlock& b : after.blocks) {
+      if (std::string_view(b.law->name) != "path_friction") continue;
+      off = after;
+      off.lambda[b.first_row] += 1;
+      EXPECT_GT(outside_admissible(off, who), 0.1);
+      off = after;
+      off.delta[b.first_row] += 1e-3 * (after.lambda[b.first_row] < 0 ? -1 : 1);
+      EXPECT_GT(off_graph(off, 1e-6, who), 1e-4);
+    }
+  };
+  for (Index i = 0; i < scene.steps; ++i) run.simulation().step();
+  EXPECT_GE(punctured, 1);
+  EXPECT_GE(dragged, 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomScenes, ::testing::Range(0, shards));
+
+}  // namespace
+}  // namespace sutura::testing
