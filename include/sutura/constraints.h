@@ -22,6 +22,8 @@ struct Key {
 inline Key make_key(Index source_id, std::uint64_t local) {
   return {(static_cast<std::uint64_t>(source_id) << 40) | local};
 }
+inline Index source_of(Key key) { return static_cast<Index>(key.value >> 40); }
+inline std::uint64_t local_of(Key key) { return key.value & ((std::uint64_t{1} << 40) - 1); }
 
 /// Index of a block within one step.
 struct BlockId {
@@ -43,6 +45,7 @@ struct ConstraintBlock {
   Key key;
   BlockUnits units;
   Mode mode = 0;
+  Real violation = 0;  ///< on exit of a solve: how far from its law (m)
   Vec3 at = Vec3::Zero();                                        ///< where it acts (m)
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
 };

@@ -28,6 +28,7 @@ VtuGrid constraint_grid(const ConstraintProblem& problem, LawNumbers& laws) {
   BodyGeometry::Field force{"force [N]", false, 3, {}};
   BodyGeometry::Field lambda{"lambda [N]", false, 1, {}};
   BodyGeometry::Field delta{"delta [m]", false, 1, {}};
+  BodyGeometry::Field violation{"violation [m]", false, 1, {}};
   BodyGeometry::Field mode{"mode", false, 1, {}};
   BodyGeometry::Field law{"law", false, 1, {}};
   for (const ConstraintBlock& b : problem.blocks) {
@@ -37,6 +38,7 @@ VtuGrid constraint_grid(const ConstraintProblem& problem, LawNumbers& laws) {
     force.values.insert(force.values.end(), f.data(), f.data() + 3);
     lambda.values.push_back(problem.lambda.segment(b.first_row, b.law->dim).norm());
     delta.values.push_back(problem.delta.segment(b.first_row, b.law->dim).norm());
+    violation.values.push_back(b.violation);
     mode.values.push_back(b.mode);
     law.values.push_back(laws.number(b.law->name));
   }
@@ -46,10 +48,10 @@ VtuGrid constraint_grid(const ConstraintProblem& problem, LawNumbers& laws) {
     grid.points = {Vec3::Zero()};
     grid.connectivity = {0};
     force.values = {0, 0, 0};
-    lambda.values = delta.values = mode.values = {0};
+    lambda.values = delta.values = violation.values = mode.values = {0};
     law.values = {-1};
   }
-  grid.fields = {std::move(force), std::move(lambda), std::move(delta), std::move(mode),
+  grid.fields = {std::move(force), std::move(lambda), std::move(delta), std::move(violation), std::move(mode),
                  std::move(law)};
   grid.constants = laws.legend();
   return grid;

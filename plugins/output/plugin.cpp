@@ -1,6 +1,7 @@
 // The plugin "output": files for ParaView and for plots.
 #include "sutura/plugin.h"
 
+#include "constraint_table.h"
 #include "csv_probe.h"
 #include "vtu_recorder.h"
 
@@ -8,6 +9,7 @@ namespace {
 void enrol_output(sutura::Registry& registry) {
   registry.component<sutura::output::VtuRecorder>("VtuRecorder");
   registry.component<sutura::output::CsvProbe>("CsvProbe");
+  registry.component<sutura::output::ConstraintTable>("ConstraintTable");
 }
 }  // namespace
 

@@ -5,7 +5,7 @@
 
 namespace sutura {
 
-Real Residual::add(const ConstraintBlock& block, const Real* W, const Real* change) {
+Real Residual::add(ConstraintBlock& block, const Real* W, const Real* change) {
   const int dim = block.law->dim;
   Real force = 0, length = 0;
   for (int i = 0; i < dim; ++i) {
@@ -16,6 +16,7 @@ Real Residual::add(const ConstraintBlock& block, const Real* W, const Real* chan
   }
   force = std::sqrt(force);
   length = std::sqrt(length);
+  block.violation = length;
   const Real here = std::max(force / block.units.force, length / block.units.length);
   // Written so that a NaN stays.
   if (!(here <= value)) value = here;

@@ -12,8 +12,8 @@ namespace sutura {
 struct Residual {
   Real value = 0;      ///< largest over the blocks, in their units
   Real violation = 0;  ///< largest |W_cc (lambda_plus - lambda)|, m
-  /// Counts the change of one block; returns its own residual.
-  Real add(const ConstraintBlock& block, const Real* W, const Real* change);
+  /// Counts the change of one block and notes its violation; returns its own residual.
+  Real add(ConstraintBlock& block, const Real* W, const Real* change);
 };
 
 /// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given, receives the residual

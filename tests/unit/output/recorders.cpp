@@ -1,9 +1,10 @@
-// VtuRecorder and CsvProbe in a scene with a rod and a source of two known blocks.
+// VtuRecorder, CsvProbe and ConstraintTable in a scene with a rod and a source of two known blocks.
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <sstream>
 
+#include "constraint_table.h"
 #include "csv_probe.h"
 #include "unit/output/vtu_reader.h"
 #include "unit/tools/fake_curve.h"
@@ -67,6 +68,7 @@ class Recorders : public testing::Test {
   Recorders() {
     registry_.component<VtuRecorder>("VtuRecorder");
     registry_.component<CsvProbe>("CsvProbe");
+    registry_.component<ConstraintTable>("ConstraintTable");
     registry_.component<fake::Curve>("Curve");
     registry_.component<Puller>("Puller");
     registry_.law<Pull>();
@@ -145,6 +147,17 @@ TEST_F(Recorders, ProbeErrorsNameTheNearest) {
             "");
 }
 
+TEST_F(Recorders, TableHoldsARowPerConstraint) {
+  const std::string scene = "<Curve name='rod' origin='1 2 3 mm'/><Puller name='a'/><Puller name='b'/>";
+  ASSERT_EQ(run(scene + "<ConstraintTable every='2'/>", 3), "");
+  EXPECT_EQ(contents(folder_ / "constraints.csv"),
+            "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y [N],force.z [N],violation [m]\n"
+            "2,0.02,/a,0,pull,3,0.001,0.002,0.003,0,0,0.5,0\n"
+            "2,0.02,/b,0,pull,3,0.001,0.002,0.003,0,0,0.5,0\n");
+  const std::string twice = run(scene + "<ConstraintTable name='x'/><ConstraintTable name='y'/>", 0);
+  EXPECT_NE(twice.find("overwrite"), std::string::npos) << twice;
+}
+
 TEST_F(Recorders, VtuHoldsBodiesAndConstraintForces) {
   ASSERT_EQ(run("<Curve name='rod' origin='1 2 3 mm'/><Puller/><VtuRecorder/>", 2), "");
   for (const char* file :
@@ -166,6 +179,7 @@ TEST_F(Recorders, VtuHoldsBodiesAndConstraintForces) {
   EXPECT_EQ(some.at("Points").numbers<double>(), (std::vector<double>{1e-3, 2e-3, 3e-3}));
   EXPECT_EQ(some.at("force [N]").numbers<double>(), (std::vector<double>{0, 0, 0.5}));
   EXPECT_EQ(some.at("lambda [N]").numbers<double>(), std::vector<double>{0.5});
+  EXPECT_EQ(some.at("violation [m]").numbers<double>(), std::vector<double>{0});
   EXPECT_EQ(some.at("mode").numbers<double>(), std::vector<double>{3});
   EXPECT_EQ(some.at("law").numbers<double>(), std::vector<double>{0});
   EXPECT_EQ(some.count("law 0 is pull"), 1u);

@@ -101,6 +101,21 @@ TEST(GaussSeidel, WarmStartOfASolvedProblemCostsNoSweep) {
   EXPECT_EQ(p.lambda, lambda);
 }
 
+TEST(GaussSeidel, EveryBlockKnowsItsViolation) {
+  ConstraintProblem p = stitch({.samples = 20, .pull = 0.3});
+  const SolveReport report = solve(p, {.sweeps = 3, .acceleration = Acceleration::none});
+  ASSERT_FALSE(report.converged);
+  Real largest = 0;
+  for (const ConstraintBlock& b : p.blocks) {
+    largest = std::max(largest, b.violation);
+    if (b.law->dim != 2) continue;
+    // A bilateral block without compliance is off by its delta: its law would take all of it away.
+    EXPECT_NEAR(b.violation, p.delta.segment<2>(b.first_row).norm(), 1e-9 * report.violation);
+  }
+  EXPECT_EQ(largest, report.violation);
+  EXPECT_GT(largest, 1e-6);
+}
+
 TEST(GaussSeidel, SameProblemAndSeedGiveTheSameBits) {
   ConstraintProblem a = stitch({.samples = 80, .pull = 0.6}), b = stitch({.samples = 80, .pull = 0.6});
   BlockGaussSeidel used;  // has solved something else before

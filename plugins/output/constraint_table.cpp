@@ -1,0 +1,56 @@
+#include "constraint_table.h"
+
+#include "csv_probe.h"
+#include "sutura/units.h"
+
+namespace sutura::output {
+
+void ConstraintTable::describe(Describe<ConstraintTable>& d) {
+  d.summary(
+      "Writes every constraint of every step to a CSV file: whose it is, its law and state, where it acts, its force, "
+      "and how far it is from its law.");
+  d.theory(
+      "One row per block. `source` is the path of the component that made it and `id` the number by which that component "
+      "knows it in the next step (a sample of a path keeps its own). `state` is the mode of the law, a small number that the "
+      "law's header explains. The force acts on the first body of the block, in world axes. `violation [m]` is how far the "
+      "block would move if its law were asked once more: |W (lambda_plus - lambda)|, the natural map of one block.");
+  d.attribute("file", &ConstraintTable::file_, "Name of the file in the output folder.");
+  d.attribute("every", &ConstraintTable::every_, at_least(1), "Write each so many steps.");
+}
+
+void ConstraintTable::initialise(Setup& setup) {
+  directory_ = setup.output_directory;
+  if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as constraints.csv");
+}
+
+std::string ConstraintTable::start(const Simulation& simulation) {
+  for (const Component* other : simulation.scene().components()) {
+    if (other == this) break;
+    const auto* table = dynamic_cast<const ConstraintTable*>(other);
+    if (table != nullptr && table->file_ == file_)
+      return path() + " would overwrite '" + file_ + "' of " + other->path() + "; expected another 'file'";
+  }
+  if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
+  return out_.append(
+      "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y [N],force.z [N],violation [m]\n");
+}
+
+std::string ConstraintTable::record(const Simulation& simulation, const StepReport& report) {
+  if (report.step == 0 || report.step % every_ != 0) return {};
+  const ConstraintProblem& problem = simulation.problem();
+  const std::vector<Component*> components = simulation.scene().components();
+  const std::string when = std::to_string(report.step) + "," + format_real(report.time) + ",";
+  rows_.clear();
+  for (const ConstraintBlock& b : problem.blocks) {
+    const auto source = static_cast<std::size_t>(source_of(b.key)) - 1;
+    const Vec3 force = problem.block_force(b);
+    rows_ += when + csv_field(source < components.size() ? components[source]->path() : "") + "," +
+             std::to_string(local_of(b.key)) + "," + b.law->name + "," + std::to_string(b.mode);
+    for (const Real value : {b.at.x(), b.at.y(), b.at.z(), force.x(), force.y(), force.z(), b.violation})
+      rows_ += "," + format_real(value);
+    rows_ += "\n";
+  }
+  return out_.append(rows_);
+}
+
+}  // namespace sutura::output

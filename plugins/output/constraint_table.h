@@ -1,0 +1,31 @@
+// ConstraintTable: every constraint of every step as a row of a CSV file.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "output_file.h"
+#include "sutura/describe.h"
+#include "sutura/simulation.h"
+
+namespace sutura::output {
+
+class ConstraintTable : public Component, public Recorder {
+ public:
+  static void describe(Describe<ConstraintTable>& d);
+
+  void initialise(Setup& setup) override;
+  std::string start(const Simulation& simulation) override;
+  std::string record(const Simulation& simulation, const StepReport& report) override;
+  std::string finish(const Simulation&) override { return out_.close(); }
+
+ private:
+  std::string file_ = "constraints.csv";
+  Index every_ = 1;
+
+  std::filesystem::path directory_;
+  OutputFile out_;
+  std::string rows_;
+};
+
+}  // namespace sutura::output
