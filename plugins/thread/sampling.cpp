@@ -25,7 +25,7 @@ Real turning_angle(const Rod& rod, Index beam) {
 namespace {
 
 /// Does one beam in place of beams e and e + 1 have their elastic energy, to half a percent? At rest it does; a
-/// short wave that runs along the thread it would swallow. Energies of beams bent by a hundredth of `angle` are let pass.
+/// short wave that runs along the thread it would swallow. What beams bent by a tenth of `angle` have does not matter.
 bool keeps_energy(const Rod& rod, Index e, Real angle) {
   const auto& rest = rod.poses(Configuration::rest);
   const auto& now = rod.poses(Configuration::current);
@@ -38,7 +38,7 @@ bool keeps_energy(const Rod& rod, Index e, Real angle) {
   const Real length = rod.element(e).length + rod.element(e + 1).length;
   const ElementRest whole(rest[e], rest[e + 2], length, rod.section(e));
   evaluate(whole, now[e], now[e + 2], rod.twist()[e] + rod.twist()[e + 1], state);
-  const Real bend = angle / 100;
+  const Real bend = angle / 10;
   const Real least = rod.section(e).bending_stiffness() / length * bend * bend / 2;
   return std::abs(elastic_energy(whole, state) - halves) <= 0.005 * (halves + least);
 }

@@ -107,6 +107,8 @@ TEST(Loop, SamplingFollowsAThreadPulledTightAndLetGo) {
       EXPECT_LT(rod.beams(), 100);
     }
   }
+  std::printf("pulled tight and let go: %d events, %td beams at most, %.3f m/s\n", events,
+              static_cast<std::ptrdiff_t>(most), fastest);
   EXPECT_GT(events, 20);
   EXPECT_LT(most, 120);      // no runaway
   EXPECT_LT(fastest, 0.05);  // m/s; the ends and the top move at 0.02
