@@ -97,6 +97,8 @@ class Rod {
 
   /// Linearisations the last free motion took.
   Index passes() const { return passes_; }
+  /// The last free motion found none that loses energy, and left the rod where it was.
+  bool stuck() const { return stuck_; }
   /// Constraints turned a beam this many times further than a step can follow; above 1 the step was shortened.
   Real excess_turn() const { return excess_turn_; }
 
@@ -178,6 +180,7 @@ class Rod {
   Real start_energy_ = 0;
   Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
+  bool stuck_ = false;
   static constexpr Real most_turn = 1;  ///< rad, beyond the expected motion
   Real excess_turn_ = 0;
   std::vector<Index> clamped_;

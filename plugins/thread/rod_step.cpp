@@ -122,6 +122,7 @@ bool Rod::linearise_here(Real dt, const Vec3& gravity) {
 bool Rod::expected_motion(Real dt, const Vec3& gravity) {
   keep_ = 1;
   passes_ = 1;
+  stuck_ = false;
   scratch_ = dt * velocity_;
   const Real turn = largest_turn(pose_, scratch_);
   const bool ahead = turn > 1e-4 && turn < turn_limit;
@@ -200,8 +201,9 @@ Real Rod::take_shortened(Real dt, const Vec3& gravity, Real turn, Real value) {
   return value;
 }
 
-// Newton from where the step began, each correction shortened until the incremental potential falls. It may stop short of the minimum, which only slows the motion; the velocity carried on is then cut
-// to what the energy balance leaves. So no start and no step size makes energy grow.
+// Newton from where the step began, each correction shortened until the incremental potential falls. It
+// may stop short of the minimum, which only slows the motion; the velocity carried on is then cut to what the
+// energy balance leaves. So no start and no step size makes energy grow.
 bool Rod::descend(Real dt, const Vec3& gravity) {
   free_velocity_.setZero();
   free_ = pose_;
@@ -216,6 +218,7 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
   for (int i = 0; i < most; ++i) {
     if (!find_correction(dt, gravity, turn)) return false;
     const Real next = take_shortened(dt, gravity, turn, value);
+    if (i == 0) stuck_ = !(next < value || turn < 1e-6);  // at rest already if the correction is nothing
     if (value - next < 1e-6 * std::abs(value)) break;
     value = next;
   }

@@ -155,7 +155,10 @@ bool SutureThread::chain_compliance(const BodyRows& rows, Real dt, ChainComplian
 }
 
 std::string SutureThread::trouble() const {
+  if (!rod_.finite()) return "the state is no longer finite";
   if (!factored_) return "the matrix of the step is not positive definite; the thread stays where it is";
+  if (rod_.stuck())
+    return "no motion within this step loses energy, loads are too large for it; the thread stays where it is";
   if (rod_.excess_turn() > 1)
     return "constraints turn a beam by more than " + std::to_string(std::lround(rod_.excess_turn())) +
            " rad in one step, the step was cut short: the beams are too long for so soft a thread (see sampling_angle, "

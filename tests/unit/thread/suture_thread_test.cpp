@@ -223,5 +223,34 @@ TEST(SutureThread, RefusesADirectionlessNeedle) {
   EXPECT_FALSE(s.diagnostics.ok());
 }
 
+TEST(SutureThread, SaysWhatWentWrong) {
+  {
+    Suture s;
+    s.initialise();
+    s.steps(3, 0.01, Vec3(0, 0, -9.81));
+    EXPECT_EQ(s.thread.trouble(), "");
+  }
+  {
+    // Overflows: no step can be found.
+    Suture s;
+    s.thread.clamp = SutureThread::Clamp::start;
+    s.initialise();
+    s.steps(1, 0.01, Vec3(0, 0, -1e200));
+    EXPECT_NE(s.thread.trouble().find("no motion within this step"), std::string::npos) << s.thread.trouble();
+    EXPECT_TRUE(s.thread.finite());
+    s.steps(1, 0.01, Vec3(0, 0, -9.81));  // the next step is judged by itself
+    EXPECT_EQ(s.thread.trouble(), "");
+  }
+  {
+    // A spring that pushes away makes the matrix indefinite; there is no valid step, and the run has to stop.
+    Suture s;
+    s.initialise();
+    s.thread.set_hold(s.thread.add_hold(0.1), s.thread.frame(0.1, Configuration::current), {-1e9, -1e9});
+    s.steps(1);
+    EXPECT_NE(s.thread.trouble().find("not positive definite"), std::string::npos) << s.thread.trouble();
+    EXPECT_FALSE(s.thread.finite());
+  }
+}
+
 }  // namespace
 }  // namespace sutura::thread

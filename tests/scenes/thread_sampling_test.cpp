@@ -1,0 +1,44 @@
+// The first stitch with adaptive sampling of its thread: 30 coarse beams that are split and merged under the rows of path,
+// friction and grasper must sew as the 150 uniform beams of the scene do.
+#include <gtest/gtest.h>
+
+#include "csv.h"
+#include "house/command.h"
+
+namespace sutura::testing {
+namespace {
+
+struct Stitch {
+  double entry = 0, inserted = 0, gap = 0;  ///< at the end, m
+  double sweeps = 0;                        ///< of all steps
+};
+
+Stitch sew(const std::string& name, const std::string& settings) {
+  const house::TemporaryFolder folder("sampling_" + name);
+  const house::Outcome outcome =
+      house::command("run " SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml --set /vtu_recorder.interval=1 " + settings +
+                     " --output " + folder.path().string());
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("not converged in 0 of"), std::string::npos) << outcome.text;
+  const Table table = read_csv((folder.path() / "stitch.csv").string());
+  EXPECT_EQ(table.rows.size(), 501u) << name;
+  const std::size_t last = table.rows.size() - 1;
+  Stitch s{table.number(last, "path.entry_abscissa [m]"), table.number(last, "path.inserted_length [m]"),
+           table.number(last, "path.lateral_gap [m]")};
+  for (std::size_t i = 0; i <= last; ++i) s.sweeps += table.number(i, "sweeps");
+  return s;
+}
+
+TEST(ThreadSampling, AStitchSewnWithFewerBeams) {
+  const Stitch uniform = sew("uniform", "");
+  const Stitch sampled = sew("sampled", "--set /suture.thread_beams=30 --set /suture.sampling_angle=0.2");
+  // 30 beams without sampling leave the end of the thread 29 um off, its length inside 37 um, the gap 50 %: a third of that.
+  EXPECT_NEAR(sampled.entry, uniform.entry, 10e-6);
+  EXPECT_NEAR(sampled.inserted, uniform.inserted, 12e-6);
+  EXPECT_NEAR(sampled.gap, uniform.gap, 0.17 * uniform.gap);
+  // Rows keep their keys, hence their warm starts, when the beams under them change.
+  EXPECT_LT(sampled.sweeps, 1.1 * uniform.sweeps);
+}
+
+}  // namespace
+}  // namespace sutura::testing
