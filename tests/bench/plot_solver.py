@@ -67,8 +67,8 @@ def race(folder, name):
         axis.set_title(f"{problem} ({rows} rows)", fontsize=9)
         axis.set_xlabel("time (ms)")
         axis.set_ylabel("law residual")
-    axes.flat[0].legend(fontsize=6)
-    figure.tight_layout()
+    figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="lower center", ncol=5, fontsize=8)
+    figure.tight_layout(rect=(0, 0.18 / lines, 1, 1))
     figure.savefig(folder / f"{name}.svg")
     figure.savefig(folder / f"{name}.png", dpi=120)
 

@@ -45,7 +45,7 @@ struct SceneCases {
 const SceneCases scenes[] = {
     {"suture/first_stitch.xml", {{"stitch: needle cutting", 1.0}, {"stitch: thread sliding", 4.0}}},
     {"validation/tensioned_thread.xml", {{"tensioned thread", 2.1}}},
-    {"validation/three_bites.xml", {{"two bites: needle cutting", 6.2}, {"two bites: thread sliding", 8.6}}}};
+    {"validation/three_bites.xml", {{"two bites: needle cutting", 6.2}, {"two bites: thread sliding", 8.6}, {"three bites: thread sliding", 13.3}}}};
 
 bool take(const SceneCases& from, std::vector<Case>& cases) {
   const std::filesystem::path file = std::filesystem::path(SUTURA_SOURCE_DIR) / "scenes" / from.file;

@@ -80,7 +80,7 @@ Difference difference(const Trace& a, const Trace& b) {
 Real worst(const Difference& d) { return *std::max_element(d.position.begin(), d.position.end()); }
 
 /// `nudged`: what rounding alone does to this scene. A turn rounds every coordinate of every node, a nudge some: 1000 times is the
-/// factor allowed between them (measured: 10 at the median, 300 at most), where a dependence on an axis would show at once with
+/// factor allowed between them (measured: 25 at most), where a dependence on an axis would show at once with
 /// the size of a step, 1e-5 m and more.
 void expect_rounding(const char* what, const Difference& d, const std::vector<Difference>& nudged) {
   Real bound = 1e-12;
