@@ -11,7 +11,7 @@ void ConstraintTable::describe(Describe<ConstraintTable>& d) {
       "and how far it is from its law.");
   d.theory(
       "One row per block. `source` is the path of the component that made it and `id` the number by which that component "
-      "knows it in the next step (a sample of a path keeps its own). `state` is the mode of the law, a small number that the "
+      "knows it in the next step (a sample of a path keeps its own). `state` is the mode of the block, a small number that the "
       "law's header explains. The force acts on the first body of the block, in world axes. `violation [m]` is how far the "
       "block would move if its law were asked once more: |W (lambda_plus - lambda)|, the natural map of one block.");
   d.attribute("file", &ConstraintTable::file_, "Name of the file in the output folder.");
