@@ -69,18 +69,21 @@ Real Rod::guide_energy() const {
 bool Rod::follow_guides(Real dt, const Vec3& gravity) {
   constexpr int most_corrections = 20;
   constexpr Real settled = 1e-3;  // rad; what is left after such a correction is its square
+  constexpr Real close = 0.02;    // rad; where corrections no longer shrink, this is near enough: the linear answer does the rest
   Real last_turn = 2 * turn_limit, turn = 0;
   for (int i = 0; i < most_corrections; ++i, last_turn = turn) {
     if (!find_correction(dt, gravity, turn)) return false;
     if (turn < last_turn / 2) {
       take_correction(dt, 1);
       if (turn < settled) return true;
+    } else if (turn < close) {
+      return true;
     } else {
       take_correction(dt, 0);
       take_shortened(dt, gravity, turn, incremental_potential(dt, gravity));
     }
   }
-  return turn < 0.1;  // the linear answer does the rest
+  return turn < 5 * close;
 }
 
 /// False if the rod does not settle at its guides, as with a loose end that whips: the linear answer from there could be anything.
