@@ -109,7 +109,8 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
                      thread_coefficient() * (area.thread * p + (on_needle ? 0 : lateral));
     params.static_level = static_over_kinetic_ * params.kinetic;
     params.viscous = (area.needle + area.thread) * viscosity_ / context.dt;
-    params.stick_slip = stick_speed_ * context.dt;
+    // A millionth of what the sample stands for is no slip but rounding, and must not decide between two levels.
+    params.stick_slip = std::max(stick_speed_ * context.dt, 1e-6 * (c.share.high - c.share.low));
     limit_ += params.kinetic;
     const BlockId block =
         builder.add<PathFrictionLaw>(make_key(source_id_, c.id), params,
