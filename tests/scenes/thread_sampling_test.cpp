@@ -60,7 +60,9 @@ TEST(ThreadSampling, ABraidPulledIntoATightLoop) {
   EXPECT_NEAR(table.number(last, "tools/far.force.x [N]") * l * l / bending, 1, 0.004);
   double most = 0;
   for (std::size_t i = 0; i <= last; ++i) most = std::max(most, table.number(i, "braid.beams"));
-  EXPECT_LT(most, 150);  // uniform beams as short as those of the loop would be 2000
+  // Uniform beams as short as those of the loop would be 2000, and a quarter is asked. How the loop turns over on its way hangs on
+  // rounding: 110 at most in one build, 201 in another.
+  EXPECT_LT(most, 2000 / 4);
   EXPECT_EQ(table.number(last, "braid.beams"), table.number(last - 50, "braid.beams"));
 }
 
