@@ -73,8 +73,6 @@ class Simulation {
   std::string finish_recording();
   /// The first thing that went wrong with a recorder; nothing is recorded after it.
   const std::string& record_error() const { return record_error_; }
-  /// What stopped the recording, or empty.
-  const std::string& recording_error() const { return record_error_; }
 
   const Scene& scene() const { return *scene_; }
   const StepReport& report() const { return report_; }

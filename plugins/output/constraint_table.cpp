@@ -24,6 +24,8 @@ void ConstraintTable::initialise(Setup& setup) {
 }
 
 std::string ConstraintTable::start(const Simulation& simulation) {
+  sources_.clear();
+  for (const Component* c : simulation.scene().components()) sources_.push_back(csv_field(c->path()));
   for (const Component* other : simulation.scene().components()) {
     if (other == this) break;
     const auto* table = dynamic_cast<const ConstraintTable*>(other);
@@ -38,13 +40,12 @@ std::string ConstraintTable::start(const Simulation& simulation) {
 std::string ConstraintTable::record(const Simulation& simulation, const StepReport& report) {
   if (report.step == 0 || report.step % every_ != 0) return {};
   const ConstraintProblem& problem = simulation.problem();
-  const std::vector<Component*> components = simulation.scene().components();
   const std::string when = std::to_string(report.step) + "," + format_real(report.time) + ",";
   rows_.clear();
   for (const ConstraintBlock& b : problem.blocks) {
     const auto source = static_cast<std::size_t>(source_of(b.key)) - 1;
     const Vec3 force = problem.block_force(b);
-    rows_ += when + csv_field(source < components.size() ? components[source]->path() : "") + "," +
+    rows_ += when + (source < sources_.size() ? sources_[source] : "") + "," +
              std::to_string(local_of(b.key)) + "," + b.law->name + "," + std::to_string(b.mode);
     for (const Real value : {b.at.x(), b.at.y(), b.at.z(), force.x(), force.y(), force.z(), b.violation})
       rows_ += "," + format_real(value);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "output_file.h"
 #include "sutura/describe.h"
@@ -25,6 +26,7 @@ class ConstraintTable : public Component, public Recorder {
 
   std::filesystem::path directory_;
   OutputFile out_;
+  std::vector<std::string> sources_;  ///< paths of the components, as CSV fields, in document order
   std::string rows_;
 };
 

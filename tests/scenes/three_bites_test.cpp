@@ -27,7 +27,7 @@ Table run() {
 }
 
 /// The puller lifts the needle straight up and the thread behind it slides through every bite: the force on the puller is mu p times
-/// the surface inside, whatever the corners. The mean is met within 3 % (1 % was seen; damping of the bending at the mouths is part
+/// the surface inside, whatever the corners. The mean is met within 3 % (1.5 % was seen; damping of the bending at the mouths is part
 /// of it). A single step may be off by 20 %: rows hold the material that the last slip predicts, and while the slip changes
 /// by a h^2 = 0.02 mm a step they pull 0.02 rad aslant, of the ten times larger force across the thread.
 void expect_pull_is_friction(const Table& t, double from, double to) {
@@ -65,7 +65,7 @@ TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
 }
 
 /// A thread a hundred times softer in bending than polypropylene (a 6-0 braid) turns within sqrt(EI / T) = 0.1 mm, a tenth of the scene's
-/// beams. Sampling refines where it bends and the stitch goes through; beams of 1 mm alone cannot, and say so.
+/// beams. Sampling refines where it bends and the first bite is sewn; beams of 1 mm alone cannot, and say so.
 TEST(SoftThread, NeedsSamplingAndSaysSo) {
   const auto bite = [](const std::string& name, const std::string& more) {
     const house::TemporaryFolder folder(name);

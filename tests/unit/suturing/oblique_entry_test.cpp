@@ -14,12 +14,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "cutting.h"
-#include "fake_bodies.h"
-#include "path_friction.h"
-#include "puncture.h"
 #include "puncture_law.h"
-#include "sutura/simulation.h"
+#include "slab_world.h"
 
 namespace sutura::testing {
 namespace {
@@ -64,13 +60,8 @@ class ObliqueEntry : public ::testing::TestWithParam<Oblique> {
         << "' times='0 " << far / step_length * dt << "' travel='0 " << far << "'/><SpringSlab stiffness='" << K
         << "'/><SuturePath spacing='0.5 mm' wall_compliance='1e-9'/><Cutting threshold='" << fc << "'/><PathFriction coefficient='0'/><Puncture threshold='"
         << fp << "' friction='" << mu << "'/><GaussSeidel tolerance='1e-9'/></sutura>";
-    enrol_builtin(registry);
+    enrol_slab_world(registry);
     registry.component<ObliqueNeedle>("ObliqueNeedle");
-    registry.component<SpringSlab>("SpringSlab");
-    registry.component<SuturePath>("SuturePath");
-    registry.component<Cutting>("Cutting");
-    registry.component<Puncture>("Puncture");
-    registry.component<PathFriction>("PathFriction");
     Diagnostics diagnostics;
     auto scene = load_scene_text(xml.str(), "oblique", ".", registry, diagnostics);
     if (scene) simulation = Simulation::compile(std::move(scene), ".", diagnostics);

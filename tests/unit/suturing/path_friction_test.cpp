@@ -3,11 +3,7 @@
 
 #include <numbers>
 
-#include "cutting.h"
-#include "fake_bodies.h"
-#include "path_friction.h"
-#include "puncture.h"
-#include "sutura/simulation.h"
+#include "slab_world.h"
 
 namespace sutura::testing {
 namespace {
@@ -17,13 +13,7 @@ namespace {
 Real resistance(const std::string& friction, Diagnostics& diagnostics,
                 const std::string& youngs = "youngs='20 60 kPa'") {
   Registry registry;
-  enrol_builtin(registry);
-  registry.component<RigidNeedle>("RigidNeedle");
-  registry.component<SpringSlab>("SpringSlab");
-  registry.component<SuturePath>("SuturePath");
-  registry.component<Puncture>("Puncture");
-  registry.component<Cutting>("Cutting");
-  registry.component<PathFriction>("PathFriction");
+  enrol_slab_world(registry);
   auto scene = load_scene_text(
       "<sutura version='1' gravity='0 0 0' dt='10 ms'><RigidNeedle radius='0.25 mm' swage='5 mm' times='0 1.2 s' "
       "travel='0 12 mm'/><SpringSlab stiffness='1e6 N/m' layers='4 mm' " + youngs +

@@ -10,11 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cutting.h"
-#include "fake_bodies.h"
-#include "path_friction.h"
-#include "puncture.h"
-#include "sutura/simulation.h"
+#include "slab_world.h"
 
 namespace sutura::testing {
 
@@ -29,13 +25,7 @@ struct SlabScene {
 
   /// The registry must outlive the simulation.
   std::unique_ptr<Simulation> compile(Registry& registry) const {
-    enrol_builtin(registry);
-    registry.component<RigidNeedle>("RigidNeedle");
-    registry.component<SpringSlab>("SpringSlab");
-    registry.component<SuturePath>("SuturePath");
-    registry.component<Cutting>("Cutting");
-    registry.component<Puncture>("Puncture");
-    registry.component<PathFriction>("PathFriction");
+    enrol_slab_world(registry);
     Diagnostics diagnostics;
     auto scene = load_scene_text(xml(), "slab", ".", registry, diagnostics);
     auto made = scene ? Simulation::compile(std::move(scene), ".", diagnostics) : nullptr;
