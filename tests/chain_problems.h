@@ -1,5 +1,5 @@
-// Constraint problems on random chains: H and the condensed inverse made here from a dense one, so that the operator can be
-// held against W = H A^-1 H^T.
+// Constraint problems on random chains: H and the condensed inverse made here from a dense one, so
+// that the operator can be held against W = H A^-1 H^T.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -30,7 +30,8 @@ struct ChainRows {
   std::set<Index> clamped;
 };
 
-/// Blocks of three rows with random coefficients on the given nodes; the chain is body 0. Dense: what W should be.
+/// Blocks of three rows with random coefficients on the given nodes; the chain is body 0. Dense:
+/// what W should be.
 struct ChainProblem {
   ConstraintProblem problem;
   MatX W;

@@ -34,9 +34,12 @@ inline std::vector<std::string> split_csv_line(const std::string& line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
   for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) cells.emplace_back();
-    else if (c != '\r') cells.back() += c;
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      cells.emplace_back();
+    else if (c != '\r')
+      cells.back() += c;
   }
   return cells;
 }
@@ -47,8 +50,10 @@ inline Table read_csv(const std::string& path) {
   Table table;
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line[0] == '#') continue;
-    if (table.header.empty()) table.header = split_csv_line(line);
-    else table.rows.push_back(split_csv_line(line));
+    if (table.header.empty())
+      table.header = split_csv_line(line);
+    else
+      table.rows.push_back(split_csv_line(line));
   }
   return table;
 }

@@ -1,5 +1,6 @@
-// Point masses on linear springs with a dense A: bodies small enough for closed forms, stepped as src/runtime/step.cpp
-// does, so that laws, builder and solver are tested together without scene or meshes.
+// Point masses on linear springs with a dense A: bodies small enough for closed forms, stepped as
+// src/runtime/step.cpp does, so that laws, builder and solver are tested together without scene or
+// meshes.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -106,7 +107,9 @@ class PointMasses : public Body {
   Eigen::LDLT<MatX> factor_;
 };
 
-inline EmbeddedPoint node(Index i) { return {i, {}}; }
+inline EmbeddedPoint node(Index i) {
+  return {i, {}};
+}
 
 /// Bodies and one function that builds the blocks of a step.
 class SmallWorld {

@@ -56,15 +56,16 @@ struct StitchOptions {
   std::uint64_t seed = 1;
 };
 
-/// A free thread (polypropylene 4-0 like: 2e-5 kg/m, axial and bending springs, 1 mm beams) through a path in tissue:
-/// two lateral bilateral rows and one friction row per sample. The thread as a whole is almost free: W has a few
-/// modes of tens to thousands of m/N, against 0.01 m/N of the tissue.
+/// A free thread (polypropylene 4-0 like: 2e-5 kg/m, axial and bending springs, 1 mm beams) through
+/// a path in tissue: two lateral bilateral rows and one friction row per sample. The thread as a
+/// whole is almost free: W has a few modes of tens to thousands of m/N, against 0.01 m/N of the
+/// tissue.
 inline ConstraintProblem stitch(const StitchOptions& o) {
   const int nodes = o.samples + 60;
   const Real spacing = 1e-3, h = o.dt;
-  const Real axial = 30 / spacing;                              // EA / L, N/m
-  const Real bending = 7e-8 / (spacing * spacing * spacing);    // EI / L^3, N/m
-  MatX A[2];                                                    // axial, one lateral
+  const Real axial = 30 / spacing;                            // EA / L, N/m
+  const Real bending = 7e-8 / (spacing * spacing * spacing);  // EI / L^3, N/m
+  MatX A[2];                                                  // axial, one lateral
   for (MatX& a : A) a = 2e-5 * spacing * MatX::Identity(nodes, nodes);
   for (int i = 0; i + 1 < nodes; ++i) {
     VecX g = VecX::Zero(nodes);
@@ -84,10 +85,11 @@ inline ConstraintProblem stitch(const StitchOptions& o) {
   for (int i = 0; i < o.samples; ++i) {
     append<Bilateral<2>>(p, {});
     const Real share = some(random);
-    append<PathFrictionLaw>(p, {.static_level = o.static_level * share,
-                                .kinetic = o.kinetic * share,
-                                .viscous = o.viscous,
-                                .stick_slip = 1e-4 * h},
+    append<PathFrictionLaw>(p,
+                            {.static_level = o.static_level * share,
+                             .kinetic = o.kinetic * share,
+                             .viscous = o.viscous,
+                             .stick_slip = 1e-4 * h},
                             PathFrictionLaw::stick, {.force = 0.01});
   }
   const int n = 3 * o.samples;
@@ -98,14 +100,14 @@ inline ConstraintProblem stitch(const StitchOptions& o) {
       W.block<3, 3>(3 * i, 3 * j).setZero();
       const Real tissue = 0.01 * std::exp(-std::abs(i - j) / 5.0);  // m/N
       for (int k = 0; k < 3; ++k)
-        W(3 * i + k, 3 * j + k) =
-            tissue + h * h * inverse[k == 2 ? 0 : 1](first + i, first + j);
+        W(3 * i + k, 3 * j + k) = tissue + h * h * inverse[k == 2 ? 0 : 1](first + i, first + j);
     }
     const Real reach = h * h * inverse[1](first + i, nodes - 1);
     d[3 * i] = reach * o.lateral + 1e-4 * (some(random) - 1);
     d[3 * i + 1] = -0.3 * reach * o.lateral + 1e-4 * (some(random) - 1);
-    d[3 * i + 2] = h * h * (inverse[0](first + i, nodes - 1) * o.pull -
-                            inverse[0](first + i, 0) * o.pull_back);
+    d[3 * i + 2] =
+        h * h *
+        (inverse[0](first + i, nodes - 1) * o.pull - inverse[0](first + i, 0) * o.pull_back);
   }
   finish(p, 0.5 * (W + W.transpose()), d);
   return p;

@@ -1,4 +1,5 @@
-// A path on a real thread: the problem that the thread's rows make, in both forms of its compliance.
+// A path on a real thread: the problem that the thread's rows make, in both forms of its
+// compliance.
 #pragma once
 
 #include <memory>
@@ -14,10 +15,10 @@ struct ThreadPathOptions {
   Index beams = 200;   ///< of 1 mm
   Index samples = 50;  ///< one per beam, three rows each: two across, one of friction
   Index first_beam = 20;
-  bool tissue =
-      true;  ///< every sample is also coupled to something assembled, 0.01 m/N falling off over 5 samples
-  Real pull = 0.1;  ///< N, on the end of the thread
-  Real dt = 0.01;   ///< s
+  bool tissue = true;  ///< every sample is also coupled to something assembled, 0.01 m/N falling
+                       ///< off over 5 samples
+  Real pull = 0.1;     ///< N, on the end of the thread
+  Real dt = 0.01;      ///< s
 };
 
 /// Stands for the tissue: only its W matters here.
@@ -58,7 +59,8 @@ class ThreadPath {
     thread.initialise(setup);
     thread.free_motion({.dt = o.dt, .time = 0, .step = 0, .gravity = Vec3::Zero()});
     bodies = {&thread, &tissue_};
-    // How far the pull would move every node in the step: at an angle, so that all rows have something to do.
+    // How far the pull would move every node in the step: at an angle, so that all rows have
+    // something to do.
     MatX moved = MatX::Zero(thread.dofs(), 1);
     moved.bottomRows<6>().col(0).head<3>() = o.dt * o.dt * o.pull * Vec3(0.9, 0.3, -0.3);
     thread.solve(moved);

@@ -1,7 +1,8 @@
 // A body: something with mass that moves. Virtual calls are per body per step, never per row.
 //
-// Every body integrates by implicit Euler on velocity change: A dv = h (f - h K v), A = M + h B + h^2 K,
-// and answers a constraint force lambda (N) by dv += h A^-1 H^T lambda, so W = h^2 H A^-1 H^T (m/N).
+// Every body integrates by implicit Euler on velocity change: A dv = h (f - h K v), A = M + h B +
+// h^2 K, and answers a constraint force lambda (N) by dv += h A^-1 H^T lambda, so W = h^2 H A^-1
+// H^T (m/N).
 #pragma once
 
 #include <array>
@@ -16,9 +17,9 @@ namespace sutura {
 
 /// What the clock says during one step.
 struct StepContext {
-  Real dt = 0.01;       ///< s
-  Real time = 0;        ///< s, at the start of the step
-  Index step = 0;       ///< 0, 1, ...
+  Real dt = 0.01;  ///< s
+  Real time = 0;   ///< s, at the start of the step
+  Index step = 0;  ///< 0, 1, ...
   Vec3 gravity = Vec3::Zero();
   Real end() const { return time + dt; }
 };
@@ -88,14 +89,15 @@ class Body {
   virtual void free_motion(const StepContext& context) = 0;
 
   virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
-  /// About the motion that the body was linearised about in this step: `position(p, free)` and rows are on one tangent.
+  /// About the motion that the body was linearised about in this step: `position(p, free)` and rows
+  /// are on one tangent.
   virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
 
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
   /// dofs answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
-  /// For a chain: what its compliance is made of, between the nodes that `rows` touch (`out` keeps its memory from step
-  /// to step). False if the body is no chain. Exact, or false.
+  /// For a chain: what its compliance is made of, between the nodes that `rows` touch (`out` keeps
+  /// its memory from step to step). False if the body is no chain. Exact, or false.
   virtual bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const;
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
   /// row; a body that knows better overrides it. Not asked of chains.
@@ -161,14 +163,14 @@ struct HoldStiffness {
   Real rotation = 10;      ///< N m/rad
 };
 
-/// Where a curve is expected to pass at the end of the next step: its section at `abscissa` through `point`, free to slide along
-/// `tangent`.
+/// Where a curve is expected to pass at the end of the next step: its section at `abscissa` through
+/// `point`, free to slide along `tangent`.
 struct Guide {
-  Real abscissa = 0;              ///< m
-  Vec3 point = Vec3::Zero();      ///< m
-  Vec3 tangent = Vec3::UnitX();   ///< unit
-  Real acted_at = 0;              ///< abscissa at which it was held in the step that ends (m)
-  Vec3 force = Vec3::Zero();      ///< with which it was held there (N)
+  Real abscissa = 0;             ///< m
+  Vec3 point = Vec3::Zero();     ///< m
+  Vec3 tangent = Vec3::UnitX();  ///< unit
+  Real acted_at = 0;             ///< abscissa at which it was held in the step that ends (m)
+  Vec3 force = Vec3::Zero();     ///< with which it was held there (N)
 };
 
 /// A body that is a curve, parametrised by arc length at rest ("abscissa", m): 0 at the needle tip,
@@ -190,7 +192,8 @@ class CurveBody : public Body {
   virtual Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
                                 Configuration c) const = 0;
 
-  /// For bodies that linearise a step about the motion they expect. Called in commit, counts for one step.
+  /// For bodies that linearise a step about the motion they expect. Called in commit, counts for
+  /// one step.
   virtual void expect(const Guide&) {}
 
   /// Holds: a section tied to a moving pose by an implicit spring, part of A (a grasper, a clamp).

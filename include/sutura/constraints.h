@@ -22,8 +22,12 @@ struct Key {
 inline Key make_key(Index source_id, std::uint64_t local) {
   return {(static_cast<std::uint64_t>(source_id) << 40) | local};
 }
-inline Index source_of(Key key) { return static_cast<Index>(key.value >> 40); }
-inline std::uint64_t local_of(Key key) { return key.value & ((std::uint64_t{1} << 40) - 1); }
+inline Index source_of(Key key) {
+  return static_cast<Index>(key.value >> 40);
+}
+inline std::uint64_t local_of(Key key) {
+  return key.value & ((std::uint64_t{1} << 40) - 1);
+}
 
 /// Index of a block within one step.
 struct BlockId {
@@ -45,13 +49,13 @@ struct ConstraintBlock {
   Key key;
   BlockUnits units;
   Mode mode = 0;
-  Real violation = 0;  ///< on exit of a solve: how far from its law (m)
-  Vec3 at = Vec3::Zero();                                        ///< where it acts (m)
+  Real violation = 0;      ///< on exit of a solve: how far from its law (m)
+  Vec3 at = Vec3::Zero();  ///< where it acts (m)
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
 };
 
-/// One step's problem: delta = W lambda + d_free, and a law per block. W is the sum over bodies: `W` holds those that
-/// are assembled, `chains` those that are kept as operators.
+/// One step's problem: delta = W lambda + d_free, and a law per block. W is the sum over bodies:
+/// `W` holds those that are assembled, `chains` those that are kept as operators.
 class ConstraintProblem {
  public:
   std::vector<ConstraintBlock> blocks;
@@ -92,13 +96,14 @@ class ConstraintBuilder {
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
   /// The first coupling decides where and on whom the block's force is drawn.
-  void couple(BlockId block, const Body& body, const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions,
-              const PointJacobian& J, const Vec3& at);
+  void couple(BlockId block, const Body& body,
+              const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions, const PointJacobian& J,
+              const Vec3& at);
 
  private:
   BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* d_free,
                     Mode mode, BlockUnits units);
-  struct Patch {  // one call of couple, on one body
+  struct Patch {        // one call of couple, on one body
     Index block, next;  // next patch of the same block, -1 at the end
     std::size_t body;
     int nodes;
@@ -159,11 +164,11 @@ class ConstraintSource {
 
 struct SolveReport {
   Index sweeps = 0;
-  Index direct_solves = 0;  ///< subspace steps
-  Index events = 0;         ///< irreversible events fired during the solve
-  Index factorisations = 0; ///< of which with a new matrix
-  Real residual = 0;        ///< law residual, in units of the blocks
-  Real violation = 0;       ///< largest distance of a block from its law (m)
+  Index direct_solves = 0;   ///< subspace steps
+  Index events = 0;          ///< irreversible events fired during the solve
+  Index factorisations = 0;  ///< of which with a new matrix
+  Real residual = 0;         ///< law residual, in units of the blocks
+  Real violation = 0;        ///< largest distance of a block from its law (m)
   bool converged = true;
 };
 
@@ -173,7 +178,8 @@ class ConstraintSolver {
   static constexpr const char* interface_name = "ConstraintSolver";
   virtual ~ConstraintSolver() = default;
   virtual SolveReport solve(ConstraintProblem& problem) = 0;
-  /// How this solver wants the compliance of chains. One that reads nothing but problem.W leaves it at that.
+  /// How this solver wants the compliance of chains. One that reads nothing but problem.W leaves it
+  /// at that.
   virtual ComplianceForm compliance_form() const { return ComplianceForm::assembled; }
 };
 

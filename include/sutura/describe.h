@@ -36,10 +36,18 @@ struct Range {
     return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
   }
 };
-inline Range any() { return {}; }
-inline Range above(Real low) { return {.low = low, .low_open = true}; }
-inline Range at_least(Real low) { return {.low = low}; }
-inline Range between(Real low, Real high) { return {.low = low, .high = high}; }
+inline Range any() {
+  return {};
+}
+inline Range above(Real low) {
+  return {.low = low, .low_open = true};
+}
+inline Range at_least(Real low) {
+  return {.low = low};
+}
+inline Range between(Real low, Real high) {
+  return {.low = low, .high = high};
+}
 inline Range strictly_between(Real low, Real high) {
   return {.low = low, .high = high, .low_open = true, .high_open = true};
 }
@@ -143,9 +151,9 @@ class Describe {
   }
   /// One word out of a list; the enumerators of E are 0, 1, 2, ... in the order of `words`.
   template <class E>
-    requires std::is_enum_v<E>
-  AttributeInfo& attribute(std::string name, E T::*member, std::vector<std::string> words,
-                           std::string doc) {
+  requires std::is_enum_v<E> AttributeInfo& attribute(std::string name, E T::*member,
+                                                      std::vector<std::string> words,
+                                                      std::string doc) {
     AttributeInfo& a = add(std::move(name), AttributeType::choice, member, std::move(doc));
     a.choices = std::move(words);
     a.get_choice = [member](const Component& c) {
@@ -175,17 +183,18 @@ class Describe {
   /// `read` takes a const T& and returns Real, Vec3 or std::string.
   template <class F>
   void output(std::string name, std::string unit, std::string doc, F read) {
-    info_.outputs.push_back({std::move(name), std::move(unit), std::move(doc),
-                             [read](const Component& c) -> OutputValue {
-                               return read(dynamic_cast<const T&>(c));
-                             }});
+    info_.outputs.push_back(
+        {std::move(name), std::move(unit), std::move(doc),
+         [read](const Component& c) -> OutputValue { return read(dynamic_cast<const T&>(c)); }});
   }
 
  private:
   template <class V>
   static constexpr AttributeType numeric_type() {
-    if constexpr (std::is_same_v<V, Real>) return AttributeType::real;
-    else if constexpr (std::is_same_v<V, Vec3>) return AttributeType::vec3;
+    if constexpr (std::is_same_v<V, Real>)
+      return AttributeType::real;
+    else if constexpr (std::is_same_v<V, Vec3>)
+      return AttributeType::vec3;
     else {
       static_assert(std::is_same_v<V, std::vector<Real>>, "Real, Vec3 or std::vector<Real>");
       return AttributeType::reals;

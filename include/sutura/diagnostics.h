@@ -1,4 +1,5 @@
-// What went wrong, where, and what was probably meant. Loading collects; nothing throws, nothing prints.
+// What went wrong, where, and what was probably meant. Loading collects; nothing throws, nothing
+// prints.
 #pragma once
 
 #include <span>

@@ -11,8 +11,8 @@
 //   };
 #pragma once
 
-#include <cstddef>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -34,9 +34,9 @@ using Mode = std::uint8_t;
 /// What `project` is given: `d` is the violation *without* the block's own lambda,
 /// d = delta - W lambda (m).
 ///
-/// What `free_directions` is given: a pair (delta, lambda) on the law's graph, as `project` left it,
-/// and its mode. It answers with the tangent of the graph there, for the direct (subspace) step of
-/// the solver: with y the `count` coordinates,
+/// What `free_directions` is given: a pair (delta, lambda) on the law's graph, as `project` left
+/// it, and its mode. It answers with the tangent of the graph there, for the direct (subspace) step
+/// of the solver: with y the `count` coordinates,
 ///     lambda + move * y      stays on the tangent, and
 ///     test^T * delta + gap + compliance * y = 0      must then hold for the delta of the system.
 /// Stick and bilateral: move = test = identity. Clamped or open: none. Slipping contact with normal
@@ -45,10 +45,10 @@ using Mode = std::uint8_t;
 template <int N>
 struct FreeDirections {
   int count = 0;
-  BlockMatrix<N> move = BlockMatrix<N>::Identity();      ///< N x count
-  BlockMatrix<N> test = BlockMatrix<N>::Identity();      ///< N x count
-  BlockVector<N> gap = BlockVector<N>::Zero();           ///< count (m)
-  BlockMatrix<N> compliance = BlockMatrix<N>::Zero();    ///< count x count (m/N)
+  BlockMatrix<N> move = BlockMatrix<N>::Identity();    ///< N x count
+  BlockMatrix<N> test = BlockMatrix<N>::Identity();    ///< N x count
+  BlockVector<N> gap = BlockVector<N>::Zero();         ///< count (m)
+  BlockMatrix<N> compliance = BlockMatrix<N>::Zero();  ///< count x count (m/N)
 };
 
 template <class L>
@@ -56,35 +56,37 @@ concept Law =
     // Parameters are copied as bytes into the problem: plain members, Vec3 and other fixed-size
     // Eigen vectors that need no special alignment.
     std::is_trivially_destructible_v<typename L::Params> &&
-    (alignof(typename L::Params) <= alignof(std::max_align_t)) && (L::dim >= 1) &&
-    (L::dim <= max_block_dim) &&
+    (alignof(typename L::Params) <= alignof(std::max_align_t)) &&
+    (L::dim >= 1) && (L::dim <= max_block_dim) &&
     requires(const BlockMatrix<L::dim>& W, const BlockVector<L::dim>& d,
              const typename L::Params& p, Mode& mode, BlockVector<L::dim>& lambda,
              FreeDirections<L::dim>& free) {
-      { L::name };
-      // lambda <- the solution of the block, from any lambda; mode <- the state it is in.
-      { L::project(W, d, p, mode, lambda) };
-      // The tangent of the graph at (delta, lambda); delta is passed where `d` stands here.
-      { L::free_directions(d, p, mode, lambda, free) };
-    };
+  {L::name};
+  // lambda <- the solution of the block, from any lambda; mode <- the state it is in.
+  {L::project(W, d, p, mode, lambda)};
+  // The tangent of the graph at (delta, lambda); delta is passed where `d` stands here.
+  {L::free_directions(d, p, mode, lambda, free)};
+};
 
 /// A law with irreversible events adds
-///   static bool event(const Params&, const BlockVector<dim>& delta, Mode&, const BlockVector<dim>& lambda)
-/// which changes the mode and returns true if the event is due. Called only on converged multipliers.
+///   static bool event(const Params&, const BlockVector<dim>& delta, Mode&, const BlockVector<dim>&
+///   lambda)
+/// which changes the mode and returns true if the event is due. Called only on converged
+/// multipliers.
 template <class L>
-concept LawWithEvents = Law<L> && requires(const typename L::Params& p,
-                                           const BlockVector<L::dim>& delta, Mode& mode,
-                                           const BlockVector<L::dim>& lambda) {
+concept LawWithEvents = Law<L> &&
+    requires(const typename L::Params& p, const BlockVector<L::dim>& delta, Mode& mode,
+             const BlockVector<L::dim>& lambda) {
   { L::event(p, delta, mode, lambda) } -> std::same_as<bool>;
 };
 
 /// One block, untyped, as the solver stores it. Pointers into the problem's arrays.
 struct BlockView {
-  const Real* W;        ///< dim x dim, column major
-  const Real* d;        ///< dim; for free_directions: delta
+  const Real* W;  ///< dim x dim, column major
+  const Real* d;  ///< dim; for free_directions: delta
   const void* params;
   Mode* mode;
-  Real* lambda;         ///< dim
+  Real* lambda;  ///< dim
 };
 
 struct FreeDirectionsView {
@@ -102,7 +104,8 @@ struct LawOperations {
   std::size_t params_size;
   void (*project)(const BlockView&);
   void (*free_directions)(const BlockView&, FreeDirectionsView&);
-  bool (*event)(const void* params, const Real* delta, Mode* mode, const Real* lambda);  ///< or null
+  bool (*event)(const void* params, const Real* delta, Mode* mode,
+                const Real* lambda);  ///< or null
 };
 
 namespace detail {
@@ -143,12 +146,9 @@ bool event_of_block(const void* params, const Real* delta, Mode* mode, const Rea
 
 template <class L>
 constexpr LawOperations make_operations() {
-  LawOperations ops{L::name,
-                    L::dim,
-                    sizeof(typename L::Params),
-                    &project_block<L>,
-                    &free_directions_of_block<L>,
-                    nullptr};
+  LawOperations ops{
+      L::name, L::dim, sizeof(typename L::Params), &project_block<L>, &free_directions_of_block<L>,
+      nullptr};
   if constexpr (LawWithEvents<L>) ops.event = &event_of_block<L>;
   return ops;
 }

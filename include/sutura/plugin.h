@@ -20,7 +20,7 @@
 #else
 #define SUTURA_STDLIB "other"
 #endif
-#define SUTURA_BUILD_TAG                                                            \
+#define SUTURA_BUILD_TAG \
   "cxxabi" SUTURA_TEXT(__GXX_ABI_VERSION) " " SUTURA_STDLIB " eigen" SUTURA_TEXT(   \
       EIGEN_WORLD_VERSION) "." SUTURA_TEXT(EIGEN_MAJOR_VERSION) "." SUTURA_TEXT(    \
       EIGEN_MINOR_VERSION) " align" SUTURA_TEXT(EIGEN_MAX_ALIGN_BYTES) " real64"
@@ -58,12 +58,15 @@ std::vector<std::string> available_plugins(const std::vector<std::string>& direc
 }  // namespace sutura
 
 /// Once per plugin, at namespace scope: SUTURA_PLUGIN(thread, "0.1.0", "Apache-2.0", enrol_thread)
-#define SUTURA_PLUGIN(plugin, plugin_version, plugin_licence, enrol_function)                   \
-  extern "C" __attribute__((visibility("default"))) const sutura::PluginHeader*                 \
-      sutura_plugin_##plugin() {                                                                \
-    static const sutura::PluginHeader header{sizeof(sutura::PluginHeader), SUTURA_ABI,          \
-                                             SUTURA_BUILD_TAG,             #plugin,             \
-                                             plugin_version,               plugin_licence,      \
-                                             enrol_function};                                   \
-    return &header;                                                                             \
+#define SUTURA_PLUGIN(plugin, plugin_version, plugin_licence, enrol_function) \
+  extern "C" __attribute__((visibility("default")))                           \
+  const sutura::PluginHeader* sutura_plugin_##plugin() {                      \
+    static const sutura::PluginHeader header{sizeof(sutura::PluginHeader),    \
+                                             SUTURA_ABI,                      \
+                                             SUTURA_BUILD_TAG,                \
+                                             #plugin,                         \
+                                             plugin_version,                  \
+                                             plugin_licence,                  \
+                                             enrol_function};                 \
+    return &header;                                                           \
   }

@@ -15,8 +15,9 @@ namespace sutura {
 
 /// The stages of a step, in order (docs/step.md).
 enum class Stage { inputs, free_motion, detect, build, compliance, solve, correct, commit, record };
-inline constexpr std::array<std::string_view, 9> stage_names{
-    "inputs", "free_motion", "detect", "build", "compliance", "solve", "correct", "commit", "record"};
+inline constexpr std::array<std::string_view, 9> stage_names{"inputs",  "free_motion", "detect",
+                                                             "build",   "compliance",  "solve",
+                                                             "correct", "commit",      "record"};
 
 struct StepReport {
   Index step = 0;
@@ -24,8 +25,8 @@ struct StepReport {
   Index blocks = 0;
   Index rows = 0;
   SolveReport solve;
-  /// What W said about lambda against what the bodies did, worst row after the last pass (m). Zero if
-  /// every body answers exactly.
+  /// What W said about lambda against what the bodies did, worst row after the last pass (m). Zero
+  /// if every body answers exactly.
   Real compliance_error = 0;
   /// The same after the first pass; larger only if that made a second one necessary.
   Real first_compliance_error = 0;
@@ -68,7 +69,8 @@ class Simulation {
 
   /// One time step. Never throws; what went wrong is in the report.
   const StepReport& step();
-  /// Opens the files of recorders and records the initial state; closes them. Error sentence or empty.
+  /// Opens the files of recorders and records the initial state; closes them. Error sentence or
+  /// empty.
   std::string start_recording();
   std::string finish_recording();
   /// The first thing that went wrong with a recorder; nothing is recorded after it.

@@ -20,14 +20,14 @@ using Quat = Eigen::Quaternion<Real>;
 
 /// A rigid placement: x = position + rotation * x_local.
 struct Pose {
-  Vec3 position = Vec3::Zero();     ///< m
-  Quat rotation = Quat::Identity(); ///< unit quaternion
+  Vec3 position = Vec3::Zero();      ///< m
+  Quat rotation = Quat::Identity();  ///< unit quaternion
 };
 
 /// A force and a moment about the point it acts on.
 struct Wrench {
-  Vec3 force = Vec3::Zero();  ///< N
-  Vec3 moment = Vec3::Zero(); ///< N m
+  Vec3 force = Vec3::Zero();   ///< N
+  Vec3 moment = Vec3::Zero();  ///< N m
 };
 
 /// The matrix of v -> a x v.

@@ -51,8 +51,8 @@ VtuGrid constraint_grid(const ConstraintProblem& problem, LawNumbers& laws) {
     lambda.values = delta.values = violation.values = mode.values = {0};
     law.values = {-1};
   }
-  grid.fields = {std::move(force), std::move(lambda), std::move(delta), std::move(violation), std::move(mode),
-                 std::move(law)};
+  grid.fields = {std::move(force),     std::move(lambda), std::move(delta),
+                 std::move(violation), std::move(mode),   std::move(law)};
   grid.constants = laws.legend();
   return grid;
 }

@@ -7,13 +7,18 @@ namespace sutura::output {
 
 void ConstraintTable::describe(Describe<ConstraintTable>& d) {
   d.summary(
-      "Writes every constraint of every step to a CSV file: whose it is, its law and state, where it acts, its force, "
+      "Writes every constraint of every step to a CSV file: whose it is, its law and state, where "
+      "it acts, its force, "
       "and how far it is from its law.");
   d.theory(
-      "One row per block. `source` is the path of the component that made it and `id` the number by which that component "
-      "knows it in the next step (a sample of a path keeps its own). `state` is the mode of the block, a small number that the "
-      "law's header explains. The force acts on the first body of the block, in world axes. `violation [m]` is how far the "
-      "block would move if its law were asked once more: |W (lambda_plus - lambda)|, the natural map of one block.");
+      "One row per block. `source` is the path of the component that made it and `id` the number "
+      "by which that component "
+      "knows it in the next step (a sample of a path keeps its own). `state` is the mode of the "
+      "block, a small number that the "
+      "law's header explains. The force acts on the first body of the block, in world axes. "
+      "`violation [m]` is how far the "
+      "block would move if its law were asked once more: |W (lambda_plus - lambda)|, the natural "
+      "map of one block.");
   d.attribute("file", &ConstraintTable::file_, "Name of the file in the output folder.");
   d.attribute("every", &ConstraintTable::every_, at_least(1), "Write each so many steps.");
 }
@@ -25,16 +30,19 @@ void ConstraintTable::initialise(Setup& setup) {
 
 std::string ConstraintTable::start(const Simulation& simulation) {
   sources_.clear();
-  for (const Component* c : simulation.scene().components()) sources_.push_back(csv_field(c->path()));
+  for (const Component* c : simulation.scene().components())
+    sources_.push_back(csv_field(c->path()));
   for (const Component* other : simulation.scene().components()) {
     if (other == this) break;
     const auto* table = dynamic_cast<const ConstraintTable*>(other);
     if (table != nullptr && table->file_ == file_)
-      return path() + " would overwrite '" + file_ + "' of " + other->path() + "; expected another 'file'";
+      return path() + " would overwrite '" + file_ + "' of " + other->path() +
+             "; expected another 'file'";
   }
   if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
   return out_.append(
-      "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y [N],force.z [N],violation [m]\n");
+      "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y "
+      "[N],force.z [N],violation [m]\n");
 }
 
 std::string ConstraintTable::record(const Simulation& simulation, const StepReport& report) {
@@ -47,7 +55,8 @@ std::string ConstraintTable::record(const Simulation& simulation, const StepRepo
     const Vec3 force = problem.block_force(b);
     rows_ += when + (source < sources_.size() ? sources_[source] : "") + "," +
              std::to_string(local_of(b.key)) + "," + b.law->name + "," + std::to_string(b.mode);
-    for (const Real value : {b.at.x(), b.at.y(), b.at.z(), force.x(), force.y(), force.z(), b.violation})
+    for (const Real value :
+         {b.at.x(), b.at.y(), b.at.z(), force.x(), force.y(), force.z(), b.violation})
       rows_ += "," + format_real(value);
     rows_ += "\n";
   }

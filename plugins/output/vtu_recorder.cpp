@@ -40,7 +40,8 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
       "In the output folder: `BODY.pvd` and `BODY/BODY_000012.vtu` for each body (the number is "
       "the step), `constraints.pvd` and `constraints/...` for the forces: one vertex per block "
       "with `force [N]` on the first body of the block, the norms `lambda [N]` and `delta [m]` "
-      "over its rows, `violation [m]` (how far it is from its law), `mode` and `law`. Field data named like `law 0 is puncture` tell the "
+      "over its rows, `violation [m]` (how far it is from its law), `mode` and `law`. Field data "
+      "named like `law 0 is puncture` tell the "
       "numbers of laws; they hold for the whole run. A step without constraints has one vertex "
       "with law -1 and no force, because some readers refuse an empty grid. A .pvd is complete "
       "after every record, so a run that is cut off can be looked at.");

@@ -75,7 +75,8 @@ EmbeddedPoint Channel::embed(const Vec3& point) const {
   return end_;
 }
 
-/// Where the needle behind its tip goes through the surface: after a sudden puncture that is not quite where the tip pressed.
+/// Where the needle behind its tip goes through the surface: after a sudden puncture that is not
+/// quite where the tip pressed.
 EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed) const {
   const Vec3 at = tissue_.position(pressed, Configuration::current);
   const Real reach = std::min(2 * (at - tip()).norm() + spacing_, thread_.length());
@@ -94,8 +95,8 @@ void Channel::enter(const EmbeddedPoint& pressed) {
   const EmbeddedPoint mouth = mouth_at_needle(pressed);
   const Vec3 at = tissue_.position(mouth, Configuration::current);
   const Real reach = 2 * (at - tip()).norm() + spacing_;
-  const Real s = thread_.closest_abscissa(at, 0, 0, std::min(reach, thread_.length()),
-                                          Configuration::current);
+  const Real s =
+      thread_.closest_abscissa(at, 0, 0, std::min(reach, thread_.length()), Configuration::current);
   push(mouth, 0, s, PathSample::Kind::entry);
   end_ = mouth;
   end_depth_ = 0;
@@ -107,8 +108,8 @@ void Channel::leave(const EmbeddedPoint& pressed) {
   const EmbeddedPoint mouth = mouth_at_needle(pressed);
   const Vec3 at = tissue_.position(mouth, Configuration::current);
   const PathSample last = samples_.back();
-  const Real s = thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)),
-                                          Configuration::current);
+  const Real s =
+      thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)), Configuration::current);
   const Real depth = last.depth + std::max(last.abscissa - s, Real(0));
   // Two samples a hair apart would hold the same section twice.
   if (last.kind == PathSample::Kind::inner && depth - last.depth < 0.5 * spacing_) {
@@ -143,8 +144,8 @@ void Channel::update() {
   if (tip_inside() && passed_ == samples_.size()) record();
 }
 
-/// From the tip backwards: abscissae grow in the order in which the channel was entered, so each search is bounded by the
-/// one before it and cannot jump to another loop of the thread.
+/// From the tip backwards: abscissae grow in the order in which the channel was entered, so each
+/// search is bounded by the one before it and cannot jump to another loop of the thread.
 void Channel::find_abscissae() {
   Real low = 0;
   for (std::size_t i = passed_; i-- > 0;) {
@@ -190,8 +191,8 @@ void Channel::readvance() {
   }
 }
 
-/// The channel grows as far as the tip has come: samples at their spacing along the needle, each fixed to the tissue that is
-/// there now, and the end at the tip itself.
+/// The channel grows as far as the tip has come: samples at their spacing along the needle, each
+/// fixed to the tissue that is there now, and the end at the tip itself.
 void Channel::record() {
   const Real depth = tip_depth();
   if (depth <= end_depth_) return;

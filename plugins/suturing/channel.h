@@ -1,5 +1,5 @@
-// The channel that a needle leaves in tissue: points fixed in the tissue, in the order of passage, and where along the
-// thread each of them is now. Knows no constraint.
+// The channel that a needle leaves in tissue: points fixed in the tissue, in the order of passage,
+// and where along the thread each of them is now. Knows no constraint.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,19 @@ namespace sutura {
 
 /// A point of the channel. `depth` is the length of channel between the mouth of its bite and it.
 struct PathSample {
-  std::uint64_t id = 0;   ///< never reused
-  EmbeddedPoint at;       ///< in the tissue
-  Real depth = 0;         ///< m
-  Real abscissa = 0;      ///< of the thread, at this point (m)
-  Real slip = 0;          ///< change of the abscissa over the last step (m): positive when the tip advances
-  Real lateral_force = 0; ///< across the thread in the last step (N)
+  std::uint64_t id = 0;  ///< never reused
+  EmbeddedPoint at;      ///< in the tissue
+  Real depth = 0;        ///< m
+  Real abscissa = 0;     ///< of the thread, at this point (m)
+  Real slip = 0;  ///< change of the abscissa over the last step (m): positive when the tip advances
+  Real lateral_force = 0;          ///< across the thread in the last step (N)
   std::uint8_t friction_mode = 0;  ///< in which the friction law starts the next step
   enum class Kind { entry, inner, exit } kind = Kind::inner;
 };
 
-/// Samples are kept in the order of passage: all before `passed` are on the thread, those after it were left by a retracting
-/// tip and are remembered, so that the tip can come back through the same channel without cutting.
+/// Samples are kept in the order of passage: all before `passed` are on the thread, those after it
+/// were left by a retracting tip and are remembered, so that the tip can come back through the same
+/// channel without cutting.
 class Channel {
  public:
   Channel(const CurveBody& thread, const SolidBody& tissue, Real spacing);
@@ -36,13 +37,15 @@ class Channel {
   bool tip_at_end() const;
   /// Length of channel between the mouth and the tip, of the open bite (m); 0 outside.
   Real tip_depth() const;
-  /// Depth of the end of the recorded channel (m), its place in the tissue, its slip in the last step.
+  /// Depth of the end of the recorded channel (m), its place in the tissue, its slip in the last
+  /// step.
   Real end_depth() const { return end_depth_; }
   const EmbeddedPoint& end() const { return end_; }
   /// Length of thread or needle inside the tissue (m), over all bites.
   Real inserted_length() const;
-  /// What sample i stands for: the thread between half way to its neighbours, from abscissa `low` to `high` (m). The last one
-  /// before the tip has all that is between it and the tip. The lengths add up to inserted_length.
+  /// What sample i stands for: the thread between half way to its neighbours, from abscissa `low`
+  /// to `high` (m). The last one before the tip has all that is between it and the tip. The lengths
+  /// add up to inserted_length.
   struct Share {
     Real low = 0;
     Real high = 0;
@@ -61,8 +64,8 @@ class Channel {
   const PathSample* find(std::uint64_t id) const;
   /// Of the sample with this id, if it is still there.
   void set_friction_mode(std::uint64_t id, std::uint8_t mode);
-  /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end of the thread, takes up
-  /// remembered ones, and records the channel as far as the tip has come.
+  /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end
+  /// of the thread, takes up remembered ones, and records the channel as far as the tip has come.
   void update();
 
  private:

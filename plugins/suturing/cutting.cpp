@@ -9,10 +9,12 @@ namespace sutura {
 
 void Cutting::describe(Describe<Cutting>& d) {
   d.summary(
-      "Resistance of the tissue to a tip that lengthens its channel: up to the threshold the tip only compresses the "
+      "Resistance of the tissue to a tip that lengthens its channel: up to the threshold the tip "
+      "only compresses the "
       "tissue. Nothing while the tip moves in a channel cut before, nothing in retraction.");
   d.theory(
-      "One row along the needle, delta = end of the recorded channel minus tip, lambda in [0, fc]:\n"
+      "One row along the needle, delta = end of the recorded channel minus tip, lambda in [0, "
+      "fc]:\n"
       "0 <= delta _|_ lambda >= 0 below the threshold, lambda = fc while the channel grows.");
   d.link("path", &Cutting::path_, "The channel that is lengthened.");
   d.attribute("threshold", &Cutting::threshold_, "N", at_least(0),

@@ -25,51 +25,68 @@ struct Surface {
 
 void PathFriction::describe(Describe<PathFriction>& d) {
   d.summary(
-      "Friction of needle and thread along their channel: every sample resists with the length it stands for, sticks below "
+      "Friction of needle and thread along their channel: every sample resists with the length it "
+      "stands for, sticks below "
       "the static level, slips at the kinetic one plus a viscous part.");
   d.theory(
-      "Resistance of a length l of channel on a thread of diameter d (paper, section 4.5): R = mu (l pi d p + share N) with "
-      "N the force across the thread at the sample; needle and thread have a mu each. The pressure is a value, or that which opens a slit in "
-      "the tissue to the girth of what is inside: a slit of length pi d / 2 under p opens by 4 (1 - nu^2) p (pi d / 4) / E at its middle "
+      "Resistance of a length l of channel on a thread of diameter d (paper, section 4.5): R = mu "
+      "(l pi d p + share N) with "
+      "N the force across the thread at the sample; needle and thread have a mu each. The pressure "
+      "is a value, or that which opens a slit in "
+      "the tissue to the girth of what is inside: a slit of length pi d / 2 under p opens by 4 (1 "
+      "- nu^2) p (pi d / 4) / E at its middle "
       "(Sneddon 1946, plane strain), which is d at p = E / (pi (1 - nu^2)). Viscous "
-      "coefficient c = l pi d alpha. With delta the slip over the step of length h and w the compliance of the row, the "
+      "coefficient c = l pi d alpha. With delta the slip over the step of length h and w the "
+      "compliance of the row, the "
       "unique solution is lambda = -delta_0 / w while |lambda| <= R_static, else\n"
       "|slip| = (|delta_0| - w R) / (1 + w c / h), lambda = -sign(delta_0) (R + c |slip| / h).");
   d.link("path", &PathFriction::path_, "The channel.");
   d.attribute("coefficient", &PathFriction::coefficient_, "1", at_least(0),
-              "Kinetic friction coefficient mu of the needle, and of the thread unless `thread_material` says otherwise.");
+              "Kinetic friction coefficient mu of the needle, and of the thread unless "
+              "`thread_material` says otherwise.");
   d.attribute("static_coefficient", &PathFriction::static_coefficient_, "1", at_least(0),
               "Static friction coefficient; below the kinetic one it is taken equal to it.");
-  d.attribute("thread_material", &PathFriction::thread_material_, {"as_needle", "monofilament", "braided"},
-              "Surface of the thread: that of the needle, monofilament (mu 0.15) or braided (mu 0.3). Measured values scatter from 0.1 to "
-              "0.4, braids above monofilaments; the ratio of static to kinetic is that of the needle.");
+  d.attribute(
+      "thread_material", &PathFriction::thread_material_, {"as_needle", "monofilament", "braided"},
+      "Surface of the thread: that of the needle, monofilament (mu 0.15) or braided (mu 0.3). "
+      "Measured values scatter from 0.1 to "
+      "0.4, braids above monofilaments; the ratio of static to kinetic is that of the needle.");
   d.attribute("pressure", &PathFriction::pressure_, "Pa", at_least(0),
               "Pressure p of the tissue on needle and thread, where it is given as a value.");
   d.attribute("pressure_from", &PathFriction::pressure_from_, {"value", "tissue"},
-              "Where the pressure comes from: the value above, or the stiffness of the tissue at each sample, layer by layer.");
+              "Where the pressure comes from: the value above, or the stiffness of the tissue at "
+              "each sample, layer by layer.");
   d.attribute("lateral_share", &PathFriction::lateral_share_, "1", between(0, 1),
-              "Share of the measured force across the thread that adds to the pressure: 0 a constant pressure, 1 the thread "
+              "Share of the measured force across the thread that adds to the pressure: 0 a "
+              "constant pressure, 1 the thread "
               "as on a capstan.");
   d.attribute("viscosity", &PathFriction::viscosity_, "Pa s/m", at_least(0),
               "Viscous stress alpha per slip speed.");
-  d.attribute("stick_speed", &PathFriction::stick_speed_, "m/s", at_least(0),
-              "Slip speed below which a sliding sample may stick at the static level again (Karnopp).");
-  d.output("force", "N", "Sum of axial forces on the thread, positive towards the end of the thread.",
+  d.attribute(
+      "stick_speed", &PathFriction::stick_speed_, "m/s", at_least(0),
+      "Slip speed below which a sliding sample may stick at the static level again (Karnopp).");
+  d.output("force", "N",
+           "Sum of axial forces on the thread, positive towards the end of the thread.",
            [](const PathFriction& f) { return f.force_; });
   d.output("limit", "N", "Sum of the kinetic resistances of the length inserted.",
            [](const PathFriction& f) { return f.limit_; });
   d.output("sliding", "1",
-           "Samples at which the thread slides towards its end less those at which the tip advances; all of them when it "
+           "Samples at which the thread slides towards its end less those at which the tip "
+           "advances; all of them when it "
            "slides as a whole.",
            [](const PathFriction& f) { return Real(f.sliding_); });
 }
 
 void PathFriction::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  static_over_kinetic_ = coefficient_ > 0 ? std::max(static_coefficient_ / coefficient_, Real(1)) : Real(1);
+  static_over_kinetic_ =
+      coefficient_ > 0 ? std::max(static_coefficient_ / coefficient_, Real(1)) : Real(1);
   blocks_.reserve(256);
-  if (pressure_from_ == PressureFrom::tissue && !(path_->tissue().elasticity({.element = 0}).young > 0))
-    setup.error(*this, "pressure_from=\"tissue\", but this tissue does not say how stiff it is; give a pressure");
+  if (pressure_from_ == PressureFrom::tissue &&
+      !(path_->tissue().elasticity({.element = 0}).young > 0))
+    setup.error(
+        *this,
+        "pressure_from=\"tissue\", but this tissue does not say how stiff it is; give a pressure");
 }
 
 Real PathFriction::thread_coefficient() const {
@@ -109,12 +126,12 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
                      thread_coefficient() * (area.thread * p + (on_needle ? 0 : lateral));
     params.static_level = static_over_kinetic_ * params.kinetic;
     params.viscous = (area.needle + area.thread) * viscosity_ / context.dt;
-    // A millionth of what the sample stands for is no slip but rounding, and must not decide between two levels.
+    // A millionth of what the sample stands for is no slip but rounding, and must not decide
+    // between two levels.
     params.stick_slip = std::max(stick_speed_ * context.dt, 1e-6 * (c.share.high - c.share.low));
     limit_ += params.kinetic;
-    const BlockId block =
-        builder.add<PathFrictionLaw>(make_key(source_id_, c.id), params,
-                                     BlockVector<1>(c.free.x()), sample.friction_mode);
+    const BlockId block = builder.add<PathFrictionLaw>(
+        make_key(source_id_, c.id), params, BlockVector<1>(c.free.x()), sample.friction_mode);
     const Eigen::Matrix<Real, Eigen::Dynamic, 3> along = c.axes.topRows<1>();
     builder.couple(block, path_->thread(), along, c.thread, c.position);
     builder.couple(block, path_->tissue(), -along, c.tissue, c.position);

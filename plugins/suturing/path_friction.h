@@ -1,4 +1,5 @@
-// Component PathFriction: dry and viscous friction of needle and thread in their channel (paper, section 4.5).
+// Component PathFriction: dry and viscous friction of needle and thread in their channel (paper,
+// section 4.5).
 #pragma once
 
 #include <vector>
@@ -16,7 +17,8 @@ class PathFriction : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
-  /// Kinetic resistance per length of the needle at this point of the tissue, without lateral force (N/m).
+  /// Kinetic resistance per length of the needle at this point of the tissue, without lateral force
+  /// (N/m).
   Real needle_resistance(const EmbeddedPoint& at) const;
 
  private:
@@ -41,8 +43,9 @@ class PathFriction : public Component, public ConstraintSource {
     Real stick_slip;   ///< m
   };
   std::vector<SampleBlock> blocks_;
-  Real force_ = 0;    ///< sum of axial forces on the thread, positive towards the end of the thread (N)
-  Real limit_ = 0;    ///< sum of kinetic resistances (N)
+  Real force_ =
+      0;  ///< sum of axial forces on the thread, positive towards the end of the thread (N)
+  Real limit_ = 0;  ///< sum of kinetic resistances (N)
   Index sliding_ = 0;
 };
 

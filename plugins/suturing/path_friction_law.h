@@ -7,7 +7,8 @@
 // step, lambda (N) the drag on the thread. Rs, Rk (N) static and kinetic level of the length l that
 // the sample stands for (l pi d mu p); c = l pi d alpha / dt (N/m) viscous part, since
 // delta / dt is the speed. Closed form for one block: with stick candidate -d / w,
-//   |d| <= w R: lambda = -d / w,   else |delta| = (|d| - w R) / (1 + w c), lambda = -sign(d) (R + c |delta|),
+//   |d| <= w R: lambda = -d / w,   else |delta| = (|d| - w R) / (1 + w c), lambda = -sign(d) (R + c
+//   |delta|),
 // unique for w > 0, c >= 0 (algorithms.md B.6).
 //
 // Static above kinetic makes the law ambiguous between Rk and Rs, and the drop from Rs to Rk at

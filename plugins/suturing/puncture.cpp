@@ -9,38 +9,51 @@ namespace sutura {
 
 void Puncture::describe(Describe<Puncture>& d) {
   d.summary(
-      "Contact of the needle tip with the surface of a tissue, from outside (entry) and from inside (exit): frictional "
-      "contact up to a force threshold; at the threshold the tip goes through and a channel begins or ends.");
+      "Contact of the needle tip with the surface of a tissue, from outside (entry) and from "
+      "inside (exit): frictional "
+      "contact up to a force threshold; at the threshold the tip goes through and a channel begins "
+      "or ends.");
   d.theory(
-      "Paper, section 4.2: 0 <= delta _|_ lambda >= 0 while lambda < fp; 0 <= -delta _|_ fp - lambda >= 0 while lambda > 0, "
-      "delta = n^T (tip - surface point). The puncture fires only on converged multipliers, all due ones at once, and the "
-      "solve goes on with the law of the pierced state: bilateral across the needle, cutting along it.");
+      "Paper, section 4.2: 0 <= delta _|_ lambda >= 0 while lambda < fp; 0 <= -delta _|_ fp - "
+      "lambda >= 0 while lambda > 0, "
+      "delta = n^T (tip - surface point). The puncture fires only on converged multipliers, all "
+      "due ones at once, and the "
+      "solve goes on with the law of the pierced state: bilateral across the needle, cutting along "
+      "it.");
   d.link("path", &Puncture::path_, "The channel that begins and ends at the punctures.");
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
-  d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.").optional();
+  d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")
+      .optional();
   d.attribute("threshold", &Puncture::threshold_, "N", above(0),
               "Puncture force fp on entry, where no region says otherwise.");
   d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", above(0),
               "Puncture force from inside.");
   d.attribute("regions", &Puncture::regions_, "1", at_least(0),
-              "Region tags of the tissue with a threshold of their own, on the surface and as a layer under another.");
+              "Region tags of the tissue with a threshold of their own, on the surface and as a "
+              "layer under another.");
   d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", above(0),
               "One threshold per tag in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", at_least(0),
               "Coulomb coefficient of the tip on the surface before it goes through.");
   d.attribute("reach", &Puncture::reach_, "m", above(0),
-              "Distance at which the tip looks for the next surface or layer, beyond its motion in a step; deeper than this "
+              "Distance at which the tip looks for the next surface or layer, beyond its motion in "
+              "a step; deeper than this "
               "inside without a puncture, it counts as an overrun.");
-  d.output("force", "N", "Force of the surface on the tip: along the normal while it presses, along the needle in the step in which it goes through.",
+  d.output("force", "N",
+           "Force of the surface on the tip: along the normal while it presses, along the needle "
+           "in the step in which it goes through.",
            [](const Puncture& p) { return p.force_; });
   d.output("peak_force", "N", "Largest force along the normal so far.",
            [](const Puncture& p) { return p.peak_force_; });
   d.output("punctures", "1", "Times the tip has gone through a surface.",
            [](const Puncture& p) { return Real(p.count_); });
   d.output("overruns", "1",
-           "Times the tip was found inside without a puncture: the mesh is too coarse for the indentation.",
+           "Times the tip was found inside without a puncture: the mesh is too coarse for the "
+           "indentation.",
            [](const Puncture& p) { return Real(p.overruns_); });
-  d.output("state", "", "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or tenting (a surface from inside).",
+  d.output("state", "",
+           "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or "
+           "tenting (a surface from inside).",
            [](const Puncture& p) -> std::string {
              if (p.front_ == Front::none || p.force_ <= 0) return "free";
              if (p.front_ == Front::entry) return "pressing";
@@ -52,8 +65,7 @@ void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
   check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
   const Vec3 tip = path_->thread().point(0, Configuration::current);
-  const auto foot =
-      path_->tissue().closest_surface(tip, reach_, Configuration::current);
+  const auto foot = path_->tissue().closest_surface(tip, reach_, Configuration::current);
   const bool touching = foot && foot->distance > -1e-3 * reach_;
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
@@ -78,13 +90,14 @@ Puncture::Front Puncture::find_entry() {
   const CurveBody& thread = path_->thread();
   const Vec3 tip = thread.point(0, Configuration::current);
   const Real motion = (thread.point(0, Configuration::free) - tip).norm();
-  const auto hit =
-      path_->tissue().closest_surface(tip, motion + reach_, Configuration::current);
+  const auto hit = path_->tissue().closest_surface(tip, motion + reach_, Configuration::current);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
   const bool deep = !hit || hit->distance < -reach_;
   if (deep && path_->tissue().locate(tip, Configuration::current)) {
-    // An indentation deeper than the elements can follow turns them inside out, and the tip is in without a puncture.
-    touched_ = *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
+    // An indentation deeper than the elements can follow turns them inside out, and the tip is in
+    // without a puncture.
+    touched_ =
+        *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
     return Front::overrun;
   }
   if (!hit) return Front::none;
@@ -107,8 +120,8 @@ Puncture::Front Puncture::find_exit() {
   return Front::exit;
 }
 
-/// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the front is where the region
-/// changes along the needle, and its normal is the needle's axis.
+/// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the
+/// front is where the region changes along the needle, and its normal is the needle's axis.
 Puncture::Front Puncture::find_layer() {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
@@ -161,9 +174,9 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   PunctureLaw::Params params;
   params.normal = touched_.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.puncture_force =
-      front_ == Front::exit ? exit_threshold_
-                            : region_value(region, regions_, region_thresholds_, threshold_);
+  params.puncture_force = front_ == Front::exit
+                              ? exit_threshold_
+                              : region_value(region, regions_, region_thresholds_, threshold_);
   threshold_here_ = params.puncture_force;
   params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
@@ -171,10 +184,10 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
 
-  const Vec3 free = thread.point(0, Configuration::free) -
-                    tissue.position(touched_.at, Configuration::free);
-  block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)), params,
-                                    BlockVector<3>(free), PunctureLaw::pressing,
+  const Vec3 free =
+      thread.point(0, Configuration::free) - tissue.position(touched_.at, Configuration::free);
+  block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)),
+                                    params, BlockVector<3>(free), PunctureLaw::pressing,
                                     {.force = params.puncture_force});
   const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
   PointJacobian J;
@@ -196,7 +209,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
     return;
   }
   force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
-  // The force of this step is the one after the fall; it fell from the threshold, where the event fires.
+  // The force of this step is the one after the fall; it fell from the threshold, where the event
+  // fires.
   peak_force_ = std::max(peak_force_, threshold_here_);
   ++count_;
   Channel& channel = path_->channel();
@@ -217,7 +231,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
 }
 
 void Puncture::begin_bite() {
-  // A tip that gave way beside an old mouth may have slid into that channel in the same step: it is in once, not twice.
+  // A tip that gave way beside an old mouth may have slid into that channel in the same step: it is
+  // in once, not twice.
   if (!path_->channel().tip_inside()) path_->channel().enter(touched_.at);
   region_ = path_->tissue().region(touched_.at);
 }

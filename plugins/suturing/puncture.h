@@ -1,4 +1,5 @@
-// Component Puncture: the tip presses on a tissue until the force threshold lets it through (paper, section 4.2).
+// Component Puncture: the tip presses on a tissue until the force threshold lets it through (paper,
+// section 4.2).
 #pragma once
 
 #include <vector>
@@ -19,8 +20,8 @@ class Puncture : public Component, public ConstraintSource {
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
  private:
-  /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface from inside; or nothing,
-  /// because it got in without a puncture.
+  /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface
+  /// from inside; or nothing, because it got in without a puncture.
   enum class Front { none, entry, layer, exit, overrun };
   Front find_entry();
   Front find_exit();
@@ -40,14 +41,14 @@ class Puncture : public Component, public ConstraintSource {
   Index source_id_ = 0;
 
   Front front_ = Front::none;
-  SurfacePoint touched_;   ///< normal: out of what the tip would go into
-  int region_ = 0;         ///< of the layer the tip has got into
+  SurfacePoint touched_;  ///< normal: out of what the tip would go into
+  int region_ = 0;        ///< of the layer the tip has got into
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
-  Index count_ = 0;       ///< punctures so far
+  Index count_ = 0;          ///< punctures so far
   Index overruns_ = 0;
-  Real force_ = 0;        ///< along the normal (N)
-  Real peak_force_ = 0;   ///< largest so far (N)
+  Real force_ = 0;       ///< along the normal (N)
+  Real peak_force_ = 0;  ///< largest so far (N)
 };
 
 }  // namespace sutura

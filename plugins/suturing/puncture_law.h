@@ -1,25 +1,27 @@
 // Puncture: a tip presses on a surface until the force that the surface can bear.
 //
-// Three rows in world axes: delta (m) = tip minus surface point, lambda (N) = force on the tip. n: unit
-// normal on the side where the tip is, t: unit axis of the shaft, pointing where the tip advances
-// (t . n < 0). With lambda_n = n . lambda and the tangent plane across n:
+// Three rows in world axes: delta (m) = tip minus surface point, lambda (N) = force on the tip. n:
+// unit normal on the side where the tip is, t: unit axis of the shaft, pointing where the tip
+// advances (t . n < 0). With lambda_n = n . lambda and the tangent plane across n:
 //
-//   pressing:    0 <= n.delta  _|_  lambda_n >= 0   while lambda_n < fp;   n.delta <= 0 at lambda_n = fp
+//   pressing:    0 <= n.delta  _|_  lambda_n >= 0   while lambda_n < fp;   n.delta <= 0 at lambda_n
+//   = fp
 //                Coulomb with mu in the tangent plane, |lambda_t| <= mu lambda_n
 //   event:       lambda_n = fp and n.delta < 0: the surface gives way; irreversible, fired by the
 //                solver on converged forces only
 //   penetrated:  across t: delta = 0 (the hole holds the shaft)
-//                along t: lambda = -r t, 0 <= r <= fc + k a: the upper limit while the tip is ahead of
-//                the surface point by a = t.delta > 0, 0 while it is behind. k (N/m) is the friction
-//                on the shaft per length: what slips in during this step drags at once, so that the
-//                force after the puncture does not depend on the step
+//                along t: lambda = -r t, 0 <= r <= fc + k a: the upper limit while the tip is ahead
+//                of the surface point by a = t.delta > 0, 0 while it is behind. k (N/m) is the
+//                friction on the shaft per length: what slips in during this step drags at once, so
+//                that the force after the puncture does not depend on the step
 //
 // The way out is the same law seen from inside: the source passes the reversed outward normal (the
-// side where the tip is), the threshold of the exit, fc = 0, because nothing is left to be cut in front
-// of the tip, and no hold, because the channel behind the tip holds the shaft already. A layer under another one is an entry whose normal is the axis of the needle.
+// side where the tip is), the threshold of the exit, fc = 0, because nothing is left to be cut in
+// front of the tip, and no hold, because the channel behind the tip holds the shaft already. A
+// layer under another one is an entry whose normal is the axis of the needle.
 //
-// The rows stay in one fixed basis, so that the law can change its directions inside a solve. Source:
-// the paper's section on puncture; algorithms.md B.6.
+// The rows stay in one fixed basis, so that the law can change its directions inside a solve.
+// Source: the paper's section on puncture; algorithms.md B.6.
 #pragma once
 
 #include <algorithm>
@@ -48,8 +50,10 @@ struct PunctureLaw {
     const Mat3 A = R.transpose() * W * R;
     const Vec3 local = R.transpose() * d;
     Vec3 force;
-    if (mode == penetrated) project_penetrated(A, local, p, force);
-    else solve_friction(A, local, p.friction, p.puncture_force, force);
+    if (mode == penetrated)
+      project_penetrated(A, local, p, force);
+    else
+      solve_friction(A, local, p.friction, p.puncture_force, force);
     lambda = R * force;
   }
 

@@ -9,11 +9,13 @@
 
 namespace sutura {
 
-inline void check_region_values(const Component& who, Setup& setup, const std::vector<Real>& regions,
-                                const std::vector<Real>& values, const std::string& attribute) {
+inline void check_region_values(const Component& who, Setup& setup,
+                                const std::vector<Real>& regions, const std::vector<Real>& values,
+                                const std::string& attribute) {
   if (regions.size() != values.size()) {
     setup.error(who, "'regions' has " + std::to_string(regions.size()) + " entries, '" + attribute +
-                         "' has " + std::to_string(values.size()) + "; expected one value per region");
+                         "' has " + std::to_string(values.size()) +
+                         "; expected one value per region");
   }
   for (const Real r : regions) {
     if (r != std::floor(r)) setup.error(who, "'regions' must be whole numbers (tags of the mesh)");

@@ -13,22 +13,29 @@ constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes ne
 
 void SuturePath::describe(Describe<SuturePath>& d) {
   d.summary(
-      "Holds needle and thread in the channel they have made in a tissue: samples fixed in the tissue, created as the tip "
+      "Holds needle and thread in the channel they have made in a tissue: samples fixed in the "
+      "tissue, created as the tip "
       "advances and left as it retracts, free along the thread, bilateral across it.");
   d.theory(
-      "At each sample P_j of the channel the thread has an abscissa s_j, found in order along the path. Two rows hold\n"
-      "delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N normal to the thread (paper, section 4.4). The rows use the\n"
-      "material point expected at the sample at the end of the step (abscissa plus the slip of the step before), so that a\n"
-      "curved needle slides without being straightened: the error left is kappa (slip - last slip)^2 / 2.");
+      "At each sample P_j of the channel the thread has an abscissa s_j, found in order along the "
+      "path. Two rows hold\n"
+      "delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N normal to the thread (paper, section "
+      "4.4). The rows use the\n"
+      "material point expected at the sample at the end of the step (abscissa plus the slip of the "
+      "step before), so that a\n"
+      "curved needle slides without being straightened: the error left is kappa (slip - last "
+      "slip)^2 / 2.");
   d.link("thread", &SuturePath::thread_, "Needle and thread.");
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
   d.attribute("spacing", &SuturePath::spacing_, "m", above(0),
               "Distance between samples along the channel.");
   d.attribute("wall_compliance", &SuturePath::wall_compliance_, "1/Pa", at_least(0),
-              "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples closer than the elements say "
+              "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples "
+              "closer than the elements say "
               "the same thing several times; without any give their forces would have no bound.");
-  d.output("inserted_length", "m", "Length of needle and thread inside the tissue.",
-           [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
+  d.output(
+      "inserted_length", "m", "Length of needle and thread inside the tissue.",
+      [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
   d.output("samples", "1", "Samples on the thread.",
            [](const SuturePath& p) { return p.channel_ ? Real(p.channel_->passed()) : Real(0); });
   d.output("tip_depth", "m", "Depth of the tip along the channel; 0 outside.",
@@ -41,7 +48,7 @@ void SuturePath::describe(Describe<SuturePath>& d) {
   d.output("entry_abscissa", "m", "Abscissa of the thread at the first sample: what has gone in.",
            [](const SuturePath& p) {
              return p.channel_ && p.channel_->passed() > 0 ? p.channel_->samples().front().abscissa
-                                                          : Real(0);
+                                                           : Real(0);
            });
   d.output("lateral_force", "N", "Largest force across the thread over the samples.",
            [](const SuturePath& p) { return p.lateral_force_; });
@@ -86,8 +93,8 @@ void SuturePath::detect(const StepContext&) {
   }
   sample_crossings_ = crossings_.size();
   if (channel.tip_at_end()) {
-    // The end of the channel is where the tip is; the part of the needle that will be there at the end of the step has
-    // to follow it, or a curved needle would be led along its tangent.
+    // The end of the channel is where the tip is; the part of the needle that will be there at the
+    // end of the step has to follow it, or a curved needle would be led along its tangent.
     const Real advance = std::max(channel.samples()[channel.passed() - 1].slip, Real(0));
     crossings_.push_back(cross(channel.end(), end_of_channel, 0, advance));
   }
@@ -100,13 +107,13 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     const Crossing& c = crossings_[i];
     const bool is_end = i == sample_crossings_;
     if (is_end && !hold_end) break;
-    // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each other.
+    // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each
+    // other.
     if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < 0.3 * spacing_) continue;
     const Real length = is_end ? spacing_ : c.share.high - c.share.low;
     const Real compliance = wall_compliance_ / std::max(length, 0.1 * spacing_);
-    const BlockId block = builder.add<Bilateral<2>>(make_key(source_id_, c.id),
-                                                    {.compliance = compliance},
-                                                    BlockVector<2>(c.free.tail<2>()));
+    const BlockId block = builder.add<Bilateral<2>>(
+        make_key(source_id_, c.id), {.compliance = compliance}, BlockVector<2>(c.free.tail<2>()));
     const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);

@@ -1,4 +1,5 @@
-// Component SuturePath: keeps needle and thread inside the channel they have made (paper, section 4.4).
+// Component SuturePath: keeps needle and thread inside the channel they have made (paper,
+// section 4.4).
 #pragma once
 
 #include <optional>
@@ -11,16 +12,18 @@
 
 namespace sutura {
 
-/// Where the thread crosses one sample of the channel in this step. Made in `detect`, used by every source on the path.
+/// Where the thread crosses one sample of the channel in this step. Made in `detect`, used by every
+/// source on the path.
 struct Crossing {
-  std::size_t sample = 0;   ///< index into Channel::samples
-  std::uint64_t id = 0;     ///< of the sample; the end of the channel has an id of its own
-  Real abscissa = 0;        ///< of the material point expected at the sample at the end of the step (m)
-  Channel::Share share;     ///< of the thread
+  std::size_t sample = 0;  ///< index into Channel::samples
+  std::uint64_t id = 0;    ///< of the sample; the end of the channel has an id of its own
+  Real abscissa = 0;  ///< of the material point expected at the sample at the end of the step (m)
+  Channel::Share share;  ///< of the thread
   Vec3 position = Vec3::Zero();
   Mat3 axes = Mat3::Identity();  ///< rows: thread tangent (towards growing abscissa), two normals
-  Vec3 free = Vec3::Zero();      ///< thread point minus tissue point after free motion, along `axes` (m); the axial one is
-                                 ///< counted from the material point at the sample now: it is slip
+  Vec3 free =
+      Vec3::Zero();  ///< thread point minus tissue point after free motion, along `axes` (m); the
+                     ///< axial one is counted from the material point at the sample now: it is slip
   PointJacobian thread;
   PointJacobian tissue;
 };
@@ -55,7 +58,8 @@ class SuturePath : public Component, public ConstraintSource {
   Real wall_compliance_ = 1e-7;
   Index source_id_ = 0;
   std::optional<Channel> channel_;
-  std::vector<Crossing> crossings_;  ///< samples on the thread, then the end of the channel if the tip is there
+  std::vector<Crossing>
+      crossings_;  ///< samples on the thread, then the end of the channel if the tip is there
   std::size_t sample_crossings_ = 0;
   struct LateralBlock {
     BlockId block;

@@ -50,7 +50,8 @@ void BlockTridiagonal::resize(Index blocks) {
 }
 
 void BlockTridiagonal::reserve(Index blocks) {
-  for (auto* v : {&diagonal_, &upper_, &inverse_, &transfer_}) v->reserve(static_cast<std::size_t>(blocks));
+  for (auto* v : {&diagonal_, &upper_, &inverse_, &transfer_})
+    v->reserve(static_cast<std::size_t>(blocks));
 }
 
 void BlockTridiagonal::set_zero() {
@@ -135,7 +136,8 @@ void BlockTridiagonal::condense(const std::vector<Index>& nodes, std::vector<Mat
   own.resize(k);
   transfer.resize(k);
   if (k == 0) return;
-  // Diagonal blocks by the backward recursion, from the far end; transfers multiplied up between touched nodes.
+  // Diagonal blocks by the backward recursion, from the far end; transfers multiplied up between
+  // touched nodes.
   Mat6 g = inverse_[blocks() - 1], product;
   std::size_t t = k;
   if (nodes[t - 1] == blocks() - 1) own[--t] = g;

@@ -3,9 +3,10 @@
 // S_0 = D_0, S_{i+1} = D_{i+1} - C_i^T S_i^-1 C_i, T_i = S_i^-1 C_i      (block Thomas elimination)
 // A solve is z_{i+1} = b_{i+1} - T_i^T z_i, then x_i = S_i^-1 z_i - T_i x_{i+1}.
 //
-// S^-1 is formed explicitly, through its 3 x 3 blocks (translations, rotations): no square roots, few
-// dependent divisions, and block elimination without pivoting is exact under a scaling of each 3 x 3
-// block, so the two kinds of unit never meet. The blocks of the inverse follow from S^-1 and T:
+// S^-1 is formed explicitly, through its 3 x 3 blocks (translations, rotations): no square roots,
+// few dependent divisions, and block elimination without pivoting is exact under a scaling of each
+// 3 x 3 block, so the two kinds of unit never meet. The blocks of the inverse follow from S^-1 and
+// T:
 //   G_nn = S_n^-1, G_ii = S_i^-1 + T_i G_{i+1,i+1} T_i^T, G_ij = -T_i G_{i+1,j} for i < j.
 #pragma once
 
@@ -43,9 +44,10 @@ class BlockTridiagonal {
   /// y = A x
   void multiply(const VecX& x, VecX& y) const;
 
-  /// The inverse between some nodes (ascending), in O(blocks): own[a] = A^-1(nodes[a], nodes[a]), and
-  /// A^-1(nodes[a], nodes[b]) = transfer[a] transfer[a+1] ... transfer[b-1] own[b] for a < b.
-  void condense(const std::vector<Index>& nodes, std::vector<Mat6>& own, std::vector<Mat6>& transfer) const;
+  /// The inverse between some nodes (ascending), in O(blocks): own[a] = A^-1(nodes[a], nodes[a]),
+  /// and A^-1(nodes[a], nodes[b]) = transfer[a] transfer[a+1] ... transfer[b-1] own[b] for a < b.
+  void condense(const std::vector<Index>& nodes, std::vector<Mat6>& own,
+                std::vector<Mat6>& transfer) const;
 
   std::size_t bytes_per_block() const { return 4 * sizeof(Mat6); }
 

@@ -1,5 +1,5 @@
-// The centreline of one beam: the cubic through its nodes with the section tangents, at the speed of the
-// arc length. The mass matrix and the weight integrate this very curve.
+// The centreline of one beam: the cubic through its nodes with the section tangents, at the speed
+// of the arc length. The mass matrix and the weight integrate this very curve.
 #pragma once
 
 #include <array>
@@ -30,9 +30,7 @@ struct Cubic {
   /// d point / du
   Vec3 slope(Real u) const { return combine(weight_slopes(u)); }
   /// d2 point / du2
-  Vec3 second(Real u) const {
-    return combine({12 * u - 6, 6 * u - 4, 6 - 12 * u, 6 * u - 2});
-  }
+  Vec3 second(Real u) const { return combine({12 * u - 6, 6 * u - 4, 6 - 12 * u, 6 * u - 2}); }
 
  private:
   Vec3 combine(const std::array<Real, 4>& w) const {

@@ -38,8 +38,8 @@ Pose curve_frame(const Rod& rod, Real s, Configuration c) {
   const Quat& qb = poses[at.beam + 1].rotation;
   const Cubic curve = cubic(rod, at.beam, c);
   const Vec3 t = curve.slope(at.u).normalized();
-  // The frame of a, carried to t without twist; then its share of the twist left over at b. Over one
-  // turn per beam the turns come from the state.
+  // The frame of a, carried to t without twist; then its share of the twist left over at b. Over
+  // one turn per beam the turns come from the state.
   const auto carried = [&](const Vec3& to) {
     return Quat::FromTwoVectors(qa * Vec3::UnitX(), to) * qa;
   };

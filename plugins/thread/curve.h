@@ -15,7 +15,8 @@ CurvePlace place(const Rod& rod, Real s);
 
 Vec3 curve_point(const Rod& rod, Real s, Configuration c);
 Vec3 curve_tangent(const Rod& rod, Real s, Configuration c);
-/// Section frame: the nodes' frames, with the twist between them spread evenly, x axis along the tangent.
+/// Section frame: the nodes' frames, with the twist between them spread evenly, x axis along the
+/// tangent.
 Pose curve_frame(const Rod& rod, Real s, Configuration c);
 /// d point / d (x_a, spin_a, x_b, spin_b) of the beam.
 void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out);

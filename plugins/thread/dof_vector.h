@@ -1,5 +1,5 @@
-// A vector over the dofs of a rod whose storage only grows: to shrink and to grow within the reserve allocates
-// nothing, which Eigen's own vectors do at every change of size.
+// A vector over the dofs of a rod whose storage only grows: to shrink and to grow within the
+// reserve allocates nothing, which Eigen's own vectors do at every change of size.
 #pragma once
 
 #include <new>
@@ -50,7 +50,9 @@ class DofVector : public Eigen::Map<VecX> {
   }
 
  private:
-  void seat() { new (static_cast<Base*>(this)) Base(store_.data(), static_cast<Index>(store_.size())); }
+  void seat() {
+    new (static_cast<Base*>(this)) Base(store_.data(), static_cast<Index>(store_.size()));
+  }
   std::vector<Real> store_;
 };
 

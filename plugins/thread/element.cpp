@@ -25,8 +25,8 @@ Vec3 angle_vector(const Vec3& e, const Vec3& t) {
 inline void angle_factor(Real x, Real& g, Real& dg) {
   if (x < 0.1) {
     // sum over n of 2^n x^(n-1) / (n binomial(2n, n))
-    constexpr Real c[] = {1.,          1. / 3,       2. / 15,        2. / 35,         8. / 315,
-                          8. / 693,    16. / 3003,   16. / 6435,     128. / 109395,   128. / 230945,
+    constexpr Real c[] = {1.,           1. / 3,     2. / 15,    2. / 35,       8. / 315,
+                          8. / 693,     16. / 3003, 16. / 6435, 128. / 109395, 128. / 230945,
                           256. / 969969};
     g = c[10];
     dg = 0;
@@ -45,8 +45,8 @@ inline void angle_factor(Real x, Real& g, Real& dg) {
 /// d2g/dx2, from the differential equation of g.
 Real angle_factor_second(Real x, Real g, Real dg) {
   if (x < 0.1) {
-    constexpr Real c[] = {2. / 15,      2. / 35,      8. / 315,       8. / 693,     16. / 3003,
-                          16. / 6435,   128. / 109395, 128. / 230945, 256. / 969969};
+    constexpr Real c[] = {2. / 15,    2. / 35,       8. / 315,      8. / 693,     16. / 3003,
+                          16. / 6435, 128. / 109395, 128. / 230945, 256. / 969969};
     Real sum = 0;
     for (int i = 8; i >= 0; --i) sum = sum * x + (i + 2) * (i + 1) * c[i];
     return sum;
@@ -224,10 +224,12 @@ Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
   const Vec9 gmu_a = tilt_gradient(s, s.ca, 3), gmu_b = tilt_gradient(s, s.cb, 6);
   Vec9 g = ((-4 * s.ga + s.gb * (s.dga * s.product + s.ga * (1 - s.xb))) * gmu_a +
             (-4 * s.gb + s.ga * (s.dgb * s.product + s.gb * (1 - s.xa))) * gmu_b -
-            s.ga * s.gb * angle_gradient(s)) / 30;
+            s.ga * s.gb * angle_gradient(s)) /
+           30;
   if (r.curved) {
     g += (s.ga * tilt_gradient(s, s.na, 3) - s.dga * s.e.dot(s.na) * gmu_a +
-          s.gb * tilt_gradient(s, s.nb, 6) - s.dgb * s.e.dot(s.nb) * gmu_b) / 30;
+          s.gb * tilt_gradient(s, s.nb, 6) - s.dgb * s.e.dot(s.nb) * gmu_b) /
+         30;
   }
   g.head<3>() += s.e / r.length;
   return g;
@@ -298,7 +300,8 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   k.block<3, 3>(3, 6) += other;
   k.block<3, 3>(6, 3) += other.transpose();
 
-  // Twist: second derivative along a path of constant spins is d(axis).(spin_b - spin_a), symmetrised.
+  // Twist: second derivative along a path of constant spins is d(axis).(spin_b - spin_a),
+  // symmetrised.
   Eigen::Matrix<Real, 3, 9> daxis = Eigen::Matrix<Real, 3, 9>::Zero();
   const Real one = std::max(1 + s.m, 1e-3);
   daxis.block<3, 3>(0, 3) = -cross_matrix(s.ca) / one;

@@ -1,20 +1,22 @@
-// One beam of the thread: a corotational element of 12 dofs (position and spin of two sections, world axes)
-// that derives from an energy.
+// One beam of the thread: a corotational element of 12 dofs (position and spin of two sections,
+// world axes) that derives from an energy.
 //
-// The beam sees its chord (length l, direction e) and two directors c_a, c_b: the rest direction of the
-// chord, carried along by each end section. With theta = angle vector from e to c (so zero at rest),
+// The beam sees its chord (length l, direction e) and two directors c_a, c_b: the rest direction of
+// the chord, carried along by each end section. With theta = angle vector from e to c (so zero at
+// rest),
 //
 //   U = L/2 EA eps^2 + EI/2L [k1 (|theta_a|^2 + |theta_b|^2) + 2 k2 theta_a.theta_b] + GJ/2L phi^2
-//   eps = (l - l0)/L + [2|tau_a|^2 - tau_a.tau_b + 2|tau_b|^2]/30 - rest value      (bowing, Oran 1973)
-//   k1 = (4 + Phi)/(1 + Phi), k2 = (2 - Phi)/(1 + Phi), Phi = 12 EI/(kappa G A L^2)  (Timoshenko)
+//   eps = (l - l0)/L + [2|tau_a|^2 - tau_a.tau_b + 2|tau_b|^2]/30 - rest value      (bowing, Oran
+//   1973) k1 = (4 + Phi)/(1 + Phi), k2 = (2 - Phi)/(1 + Phi), Phi = 12 EI/(kappa G A L^2)
+//   (Timoshenko)
 //
-// tau = theta + rest angle of the section; phi is the angle left between the two directors' frames after
-// parallel transport from c_a to c_b, counted without wrapping. Bowing makes the strain that of the arc
-// and not of the chord, which is what lifts the element from second to fourth order.
+// tau = theta + rest angle of the section; phi is the angle left between the two directors' frames
+// after parallel transport from c_a to c_b, counted without wrapping. Bowing makes the strain that
+// of the arc and not of the chord, which is what lifts the element from second to fourth order.
 //
-// Because the section is round, U depends on scalars alone: l, mu_a = e.c_a, mu_b = e.c_b, m = c_a.c_b,
-// phi (and nu = e.(c x z) for beams curved at rest); force and Hessian follow by the chain rule, with no
-// element frame to differentiate. docs/theory/thread.md has the derivation.
+// Because the section is round, U depends on scalars alone: l, mu_a = e.c_a, mu_b = e.c_b, m =
+// c_a.c_b, phi (and nu = e.(c x z) for beams curved at rest); force and Hessian follow by the chain
+// rule, with no element frame to differentiate. docs/theory/thread.md has the derivation.
 #pragma once
 
 #include "section.h"
@@ -30,14 +32,14 @@ struct ElementRest {
   Quat frame_a, frame_b;  ///< from the section to the frame whose x axis is the rest chord
   Vec3 bow_a, bow_b;      ///< z of the bow's linear term, in section axes; zero if straight at rest
   bool curved = false;
-  Real length = 0;        ///< arc length L, m
-  Real chord = 0;         ///< l0, m
-  Real axial = 0;         ///< EA, N
-  Real bend_1 = 0;        ///< EI k1/L, N m
-  Real bend_2 = 0;        ///< EI k2/L, N m
-  Real torsion = 0;       ///< GJ/L, N m
-  Real mass = 0;          ///< kg
-  Real rotary = 0;        ///< density times second moment, kg m
+  Real length = 0;   ///< arc length L, m
+  Real chord = 0;    ///< l0, m
+  Real axial = 0;    ///< EA, N
+  Real bend_1 = 0;   ///< EI k1/L, N m
+  Real bend_2 = 0;   ///< EI k2/L, N m
+  Real torsion = 0;  ///< GJ/L, N m
+  Real mass = 0;     ///< kg
+  Real rotary = 0;   ///< density times second moment, kg m
 
   /// Rest poses of the two sections (x axis = tangent) and the arc length between them.
   ElementRest(const Pose& a, const Pose& b, Real arc_length, const Section& section);
@@ -60,8 +62,8 @@ void evaluate(const ElementRest& rest, const Pose& a, const Pose& b, Real twist_
 
 Real elastic_energy(const ElementRest& rest, const ElementState& state);
 
-/// dU for a change (v, spin_a, spin_b) with v = velocity of b minus velocity of a. The force on the ends
-/// is minus this, with +v part on a and -v part on b.
+/// dU for a change (v, spin_a, spin_b) with v = velocity of b minus velocity of a. The force on the
+/// ends is minus this, with +v part on a and -v part on b.
 struct ElementGradient {
   Vec3 v, a, b;
 };
@@ -74,17 +76,17 @@ Vec9 strain_gradient(const ElementRest& rest, const ElementState& state);
 struct ElementMatrix {
   Mat3 vv, va, vb, aa, ab, bb;
 };
-/// Positive semidefinite stiffness for the time step: material part, and the geometric part of tension;
-/// that of compression and of the moments is left out.
+/// Positive semidefinite stiffness for the time step: material part, and the geometric part of
+/// tension; that of compression and of the moments is left out.
 void step_stiffness(const ElementRest& rest, const ElementState& state, ElementMatrix& k);
 
 /// The Hessian of U with respect to (v, spin_a, spin_b), rotations varied by the exponential map.
 void hessian(const ElementRest& rest, const ElementState& state, Mat9& k);
 
-/// Consistent mass: the kinetic energy of the Hermite cubic through the nodes with the section tangents
-/// t_a, t_b (so that momentum and centre of mass are those of the curve that is drawn), plus rotary inertia
-/// of linearly interpolated spins. With [t] the matrix of v -> t x v, the blocks of M over
-/// (x_a, spin_a, x_b, spin_b) are
+/// Consistent mass: the kinetic energy of the Hermite cubic through the nodes with the section
+/// tangents t_a, t_b (so that momentum and centre of mass are those of the curve that is drawn),
+/// plus rotary inertia of linearly interpolated spins. With [t] the matrix of v -> t x v, the
+/// blocks of M over (x_a, spin_a, x_b, spin_b) are
 ///   x_a x_a: same I            x_a x_b: other I
 ///   x_a spin_a: -couple_same [t_a]         x_a spin_b: -couple_other [t_b]
 ///   x_b spin_b: +couple_same [t_b]         x_b spin_a: +couple_other [t_a]

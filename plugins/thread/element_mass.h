@@ -14,7 +14,8 @@ struct MassTimes {
     xa = m.same * va + m.other * vb + m.couple_same * ra + m.couple_other * rb;
     xb = m.same * vb + m.other * va - m.couple_same * rb - m.couple_other * ra;
     const Vec3 ta = m.couple_same * va - m.couple_other * vb + m.spin_same * ra + m.spin_other * rb;
-    const Vec3 tb = -m.couple_same * vb + m.couple_other * va + m.spin_same * rb + m.spin_other * ra;
+    const Vec3 tb =
+        -m.couple_same * vb + m.couple_other * va + m.spin_same * rb + m.spin_other * ra;
     const Vec3 la = m.roll_same * wa + m.roll_other * wb, lb = m.roll_same * wb + m.roll_other * wa;
     sa = s.ta.cross(ta) + la + s.e.dot(la) * s.e;
     sb = s.tb.cross(tb) + lb + s.e.dot(lb) * s.e;

@@ -10,8 +10,10 @@ namespace sutura::thread {
 void Elongation::describe(Describe<Elongation>& d) {
   d.summary("Limits how far a thread can stretch: its fibres lock at a strain.");
   d.theory(
-      "On intervals of beams, delta = sum of L (limit - strain) >= 0 with the strain of the arc (bowing included, "
-      "docs/theory/thread.md), so a bend hides no stretch; lambda >= 0 is the tension beyond that of the "
+      "On intervals of beams, delta = sum of L (limit - strain) >= 0 with the strain of the arc "
+      "(bowing included, "
+      "docs/theory/thread.md), so a bend hides no stretch; lambda >= 0 is the tension beyond that "
+      "of the "
       "elastic thread (N). Law: unilateral.");
   d.attribute("limit", &Elongation::limit, "1", above(0), "Largest strain.");
   d.attribute("interval", &Elongation::interval, between(1, 4),
@@ -34,8 +36,8 @@ void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {
     J.width = 6;
     J.coefficients.setZero(3, 6 * J.nodes);
     for (int k = 0; k < J.nodes; ++k) J.node[static_cast<std::size_t>(k)] = first + k;
-    // Row of delta: minus the gradient of the arc length. It is written as a motion along the tangent of
-    // the interval's first section, so that recorders show the force where it pulls.
+    // Row of delta: minus the gradient of the arc length. It is written as a motion along the
+    // tangent of the interval's first section, so that recorders show the force where it pulls.
     const Pose& at = rod.poses(Configuration::current)[first];
     const Vec3 along = at.rotation * Vec3::UnitX();
     Real room = 0, length = 0, rate = 0;
@@ -51,11 +53,12 @@ void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {
       J.coefficients.middleCols<12>(6 * (e - first)) += along * row;
       rate += row * rod.free_velocity().segment<12>(6 * e);
     }
-    // Slack intervals make no rows: strain below a hundredth of the limit now and after the free motion.
+    // Slack intervals make no rows: strain below a hundredth of the limit now and after the free
+    // motion.
     const Real free_room = room + context.dt * rate;
     if (std::min(room, free_room) > 0.99 * limit * length) continue;
-    const Key key = make_key(source_id_, static_cast<std::uint64_t>(
-                                             std::llround(1e7 * rod.abscissa()[first])));
+    const Key key =
+        make_key(source_id_, static_cast<std::uint64_t>(std::llround(1e7 * rod.abscissa()[first])));
     const BlockId block =
         builder.add<Unilateral>(key, {}, BlockVector<1>(free_room), Unilateral::open,
                                 {.force = 0.1, .length = limit * length});

@@ -1,5 +1,5 @@
-// Elongation: a thread that must not grow longer than its limit. Unilateral rows on the arc length of short
-// intervals of beams: inactive while the thread is slack, however bent.
+// Elongation: a thread that must not grow longer than its limit. Unilateral rows on the arc length
+// of short intervals of beams: inactive while the thread is slack, however bent.
 #pragma once
 
 #include "sutura/constraints.h"

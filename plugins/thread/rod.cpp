@@ -1,8 +1,9 @@
+#include "rod.h"
+
 #include <cassert>
 #include <cmath>
 
 #include "element_mass.h"
-#include "rod.h"
 
 namespace sutura::thread {
 
@@ -47,8 +48,8 @@ void Rod::build(const RodLayout& layout) {
   twist_.assign(n - 1, 0);
   free_twist_ = twist_;
   tension_ = twist_;
-  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_, &before_velocity_,
-                  &correction_, &constraint_force_})
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_,
+                  &before_velocity_, &correction_, &constraint_force_})
     v->clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -63,8 +64,8 @@ void Rod::reserve(Index beams) {
   masses_.reserve(n);
   for (auto* poses : {&rest_, &pose_, &free_}) poses->reserve(n);
   for (auto* reals : {&twist_, &free_twist_, &tension_}) reals->reserve(n);
-  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_, &before_velocity_, &correction_,
-                  &constraint_force_})
+  for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_,
+                  &before_velocity_, &correction_, &constraint_force_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);
@@ -72,15 +73,18 @@ void Rod::reserve(Index beams) {
   work_.springs.reserve(springs_.size());
 }
 
-void Rod::clamp(Index node) { clamped_.push_back(node); }
+void Rod::clamp(Index node) {
+  clamped_.push_back(node);
+}
 
 void Rod::element_state(Index e, ElementState& s) const {
   evaluate(elements_[e], pose_[e], pose_[e + 1], twist_[e], s);
 }
 
-// One pass over the beams: matrix and right-hand side at once. `poses` is where forces are evaluated,
-// `v` the velocity there. First pass: poses at the start of the step, forces extrapolated by h K v.
-// Later Newton passes: poses = start + h v, and the inertia of v minus the old velocity is due.
+// One pass over the beams: matrix and right-hand side at once. `poses` is where forces are
+// evaluated, `v` the velocity there. First pass: poses at the start of the step, forces
+// extrapolated by h K v. Later Newton passes: poses = start + h v, and the inertia of v minus the
+// old velocity is due.
 void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
                       std::vector<Real>& twist, const Dofs& v, bool first) {
   if (first) start_energy_ = 0;
@@ -121,8 +125,8 @@ void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& pos
       fb += r.length / 12 * s.tb.cross(weight);
     }
     if (inertia) {
-      // Momentum due: M (v - v_old) in later passes, and mass damping. The unknown of the first pass
-      // leaves out the fall, which is therefore damped too; later ones compare with it.
+      // Momentum due: M (v - v_old) in later passes, and mass damping. The unknown of the first
+      // pass leaves out the fall, which is therefore damped too; later ones compare with it.
       const Real c = first ? 0 : 1, d = dt * damping_mass;
       const Vec3 due = (first ? d : -1) * fall;
       const auto rate = [&](Index i) {
@@ -160,15 +164,15 @@ void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& pos
     const Mat3 xs = stiffness_factor * k.va + cs * ta;
     da.topRightCorner<3, 3>() -= xs;
     da.bottomLeftCorner<3, 3>() -= xs.transpose();
-    da.bottomRightCorner<3, 3>() += plus_diagonal(
-        stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
+    da.bottomRightCorner<3, 3>() +=
+        plus_diagonal(stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
 
     db.topLeftCorner<3, 3>() = plus_diagonal(vv, same);
     const Mat3 ys = stiffness_factor * k.vb + cs * tb;
     db.topRightCorner<3, 3>() = ys;
     db.bottomLeftCorner<3, 3>() = ys.transpose();
-    db.bottomRightCorner<3, 3>() = plus_diagonal(
-        stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
+    db.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
 
     up.topLeftCorner<3, 3>() = plus_diagonal(-vv, other);
     up.topRightCorner<3, 3>() = -stiffness_factor * k.vb - co * tb;
@@ -193,10 +197,12 @@ void Rod::apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& pose
     const Pose& p = poses[spring.node];
     const Real kt = spring.stiffness.translation, kr = spring.stiffness.rotation;
     const Real ahead = first ? dt : 0;
-    rhs_.segment<3>(i) += dt * kt * (spring.target.position - p.position - ahead * v.segment<3>(i) -
-                                     dt * fall * (first ? 1 : 0));
-    rhs_.segment<3>(i + 3) += dt * kr * (rotation_between(p.rotation, spring.target.rotation) -
-                                         ahead * v.segment<3>(i + 3));
+    rhs_.segment<3>(i) += dt * kt *
+                          (spring.target.position - p.position - ahead * v.segment<3>(i) -
+                           dt * fall * (first ? 1 : 0));
+    rhs_.segment<3>(i + 3) +=
+        dt * kr *
+        (rotation_between(p.rotation, spring.target.rotation) - ahead * v.segment<3>(i + 3));
     auto diagonal = matrix_.diagonal(spring.node).diagonal().array();
     diagonal.head<3>() += dt * dt * kt;
     diagonal.tail<3>() += dt * dt * kr;
@@ -207,8 +213,9 @@ void Rod::assemble(Real dt, const Vec3& gravity) {
   assemble_at(dt, gravity, pose_, twist_, velocity_, true);
 }
 
-// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about its own
-// axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings it back.
+// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about
+// its own axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings
+// it back.
 bool Rod::factor() {
   for (Real shift = 1e-13; !matrix_.factor(); shift *= 100) {
     if (!(shift < 1e-6)) return false;
@@ -249,7 +256,8 @@ void Rod::correct(Real dt, const Dofs& force) {
   constraint_force_ = force;
   answer(force);
   velocity_ = free_velocity_ + dt * rhs_;
-  // Further than this from the motion that it was linearised about, a linear answer is a fiction that rows feed on.
+  // Further than this from the motion that it was linearised about, a linear answer is a fiction
+  // that rows feed on.
   scratch_ = dt * (free_correction_ + dt * rhs_);
   excess_turn_ = largest_turn(free_, scratch_) / most_turn;
   if (excess_turn_ > 1) velocity_ += (1 / excess_turn_ - 1) / dt * scratch_;
@@ -285,7 +293,6 @@ Real Rod::elastic_energy() const {
   }
   return u;
 }
-
 
 Real Rod::kinetic_energy() const {
   Real t = 0;

@@ -32,7 +32,8 @@ struct NodeSpring {
   Wrench applied;  ///< on the rod, at the end of the last step
 };
 
-/// Work space of Rod::resample, kept so that it allocates nothing. Per node of the new rod unless said otherwise.
+/// Work space of Rod::resample, kept so that it allocates nothing. Per node of the new rod unless
+/// said otherwise.
 struct ResampleWork {
   RodLayout layout;
   DofVector velocity, force;
@@ -53,9 +54,9 @@ class Rod {
   void build(const RodLayout& layout);
   /// Room for so many beams: up to it, resample allocates nothing. After the clamps and springs.
   void reserve(Index beams);
-  /// Same rod, other nodes (ends, clamped and sprung nodes must be among them): new nodes on the cubic,
-  /// with its velocity; linear and angular momentum stay as they are. `rest` and `section` give the rest
-  /// pose and the section by abscissa.
+  /// Same rod, other nodes (ends, clamped and sprung nodes must be among them): new nodes on the
+  /// cubic, with its velocity; linear and angular momentum stay as they are. `rest` and `section`
+  /// give the rest pose and the section by abscissa.
   void resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
                 const std::function<Section(Real)>& section);
   /// All six dofs of the node stay as they are.
@@ -99,7 +100,8 @@ class Rod {
   Index passes() const { return passes_; }
   /// The last free motion found none that loses energy, and left the rod where it was.
   bool stuck() const { return stuck_; }
-  /// Constraints turned a beam this many times further than a step can follow; above 1 the step was shortened.
+  /// Constraints turned a beam this many times further than a step can follow; above 1 the step was
+  /// shortened.
   Real excess_turn() const { return excess_turn_; }
 
   struct StaticReport {
@@ -107,12 +109,14 @@ class Rod {
     int iterations = 0;
     Real residual = 0;  ///< N, largest force (moments divided by the mean beam length)
   };
-  /// Static equilibrium under gravity and dead nodal loads (force, moment; 6 per node) by Newton with
-  /// the full tangent, in 20 load steps where one is too many. Holds act as springs. Velocity becomes zero.
+  /// Static equilibrium under gravity and dead nodal loads (force, moment; 6 per node) by Newton
+  /// with the full tangent, in 20 load steps where one is too many. Holds act as springs. Velocity
+  /// becomes zero.
   StaticReport equilibrium(const Vec3& gravity, const VecX& load, Real tolerance = 1e-10,
                            int max_iterations = 200);
 
-  /// The full static tangent at the current state (clamps applied); `tension` replaces that of the beams.
+  /// The full static tangent at the current state (clamps applied); `tension` replaces that of the
+  /// beams.
   void assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
                         const std::vector<Real>* tension = nullptr) const;
 
@@ -176,9 +180,11 @@ class Rod {
   std::vector<Real> tension_;  ///< of the linearisation, N
   std::vector<Guide> guides_;
   DofVector constraint_force_;  ///< of the last step: what the next one expects to feel again
-  DofVector velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_, before_velocity_, correction_;
+  DofVector velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_,
+      before_velocity_, correction_;
   Real start_energy_ = 0;
-  Real keep_ = 1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
+  Real keep_ =
+      1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
   Index passes_ = 0;
   bool stuck_ = false;
   static constexpr Real most_turn = 1;  ///< rad, beyond the expected motion

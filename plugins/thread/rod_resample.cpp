@@ -54,8 +54,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   before.head<3>() = momentum();
   before.tail<3>() = angular_momentum();
   const std::size_t n = abscissa.size();
-  auto& [layout, velocity, force, twist, strain, old_abscissa, changed, halves, clamped, nodes_concerned, springs] =
-      work_;
+  auto& [layout, velocity, force, twist, strain, old_abscissa, changed, halves, clamped,
+         nodes_concerned, springs] = work_;
   layout.abscissa = abscissa;
   layout.rest.clear();
   layout.start.clear();
@@ -69,13 +69,13 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     const bool old = at.u < 1e-9 || at.u > 1 - 1e-9;
     const Index node = at.beam + (at.u > 0.5 ? 1 : 0);
     layout.rest.push_back(old ? rest_[node] : rest(abscissa[i]));
-    layout.start.push_back(old ? pose_[node] : curve_frame(*this, abscissa[i], Configuration::current));
+    layout.start.push_back(old ? pose_[node]
+                               : curve_frame(*this, abscissa[i], Configuration::current));
     velocity.segment<6>(6 * static_cast<Index>(i)) =
         old ? Vec6(velocity_.segment<6>(6 * node)) : velocity_at(*this, at);
     changed[i] = !old;
     if (old) force.segment<6>(6 * static_cast<Index>(i)) = constraint_force_.segment<6>(6 * node);
-    if (i > 0)
-      layout.sections.push_back(section((abscissa[i - 1] + abscissa[i]) / 2));
+    if (i > 0) layout.sections.push_back(section((abscissa[i - 1] + abscissa[i]) / 2));
   }
   // The strain that the two halves of a split beam have to keep.
   strain.assign(n, 0);
@@ -94,13 +94,15 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   std::size_t i = 0;
   for (Index e = 0; e < beams(); ++e)
     for (i = i > 0 ? i - 1 : 0; i + 1 < n && abscissa[i] < abscissa_[e + 1]; ++i) {
-      const Real common = std::min(abscissa[i + 1], abscissa_[e + 1]) - std::max(abscissa[i], abscissa_[e]);
+      const Real common =
+          std::min(abscissa[i + 1], abscissa_[e + 1]) - std::max(abscissa[i], abscissa_[e]);
       if (common > 0) twist[i] += twist_[e] * common / elements_[e].length;
       if (abscissa[i + 1] < abscissa_[e + 1]) continue;
       ++i;
       break;
     }
-  // A node that goes: its constraint force works through its neighbours; they too are corrected below.
+  // A node that goes: its constraint force works through its neighbours; they too are corrected
+  // below.
   for (Index k = 0; k < nodes(); ++k) {
     const auto right = std::lower_bound(abscissa.begin(), abscissa.end(), abscissa_[k] - 1e-12);
     if (right != abscissa.end() && std::abs(*right - abscissa_[k]) < 1e-12) continue;
@@ -133,8 +135,9 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   velocity_ = velocity;
   constraint_force_ = force;
 
-  // Arc lengths of the cubic and of the beams differ in the fourth power of the angle; times EA that is seen.
-  // The new node gives way until both halves have the strain of the whole: smallest shift, two Newton steps.
+  // Arc lengths of the cubic and of the beams differ in the fourth power of the angle; times EA
+  // that is seen. The new node gives way until both halves have the strain of the whole: smallest
+  // shift, two Newton steps.
   for (std::size_t k = 1; k + 1 < n; ++k)
     for (int pass = 0; halves[k] && pass < 3; ++pass) {
       ElementState a, b;
@@ -145,7 +148,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
       J.row(1) = -strain_gradient(elements_[k], b).head<3>().transpose();
       const Vec2 wanted(strain[k] - a.strain, strain[k] - b.strain);
       Eigen::Matrix<Real, 2, 2> jj = J * J.transpose();
-      jj.diagonal() *= 1 + 1e-9;  // a straight beam has one direction only, and nothing to correct across
+      jj.diagonal() *=
+          1 + 1e-9;  // a straight beam has one direction only, and nothing to correct across
       pose_[k].position += J.transpose() * (jj.inverse() * wanted);
     }
   free_ = pose_;
@@ -161,7 +165,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     if (b + 1 < nodes()) nodes_concerned.push_back(b + 1);
   }
   Vec3 centre = Vec3::Zero();
-  for (const Index k : nodes_concerned) centre += pose_[k].position / static_cast<Real>(nodes_concerned.size());
+  for (const Index k : nodes_concerned)
+    centre += pose_[k].position / static_cast<Real>(nodes_concerned.size());
   const auto add_motion = [&](const Vec3& v, const Vec3& w) {
     for (const Index k : nodes_concerned) {
       velocity_.segment<3>(6 * k) += v + w.cross(pose_[k].position - centre);
@@ -182,7 +187,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   velocity = velocity_;
   for (int c = 0; c < 6; ++c) {
     velocity_.setZero();
-    add_motion(c < 3 ? Vec3(Vec3::Unit(c)) : Vec3::Zero(), c < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(c - 3) / arm));
+    add_motion(c < 3 ? Vec3(Vec3::Unit(c)) : Vec3::Zero(),
+               c < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(c - 3) / arm));
     response.col(c) = measure();
   }
   velocity_ = velocity;

@@ -21,9 +21,9 @@ void Rod::static_residual(const Vec3& gravity, const VecX& load, VecX& residual,
     residual.segment<3>(6 * e + 6) += -g.v + weight / 2;
     residual.segment<3>(6 * e + 9) += -g.b - r.length / 12 * s.tb.cross(weight);
     // Weight acts at the centroid of the Hermite cubic.
-    potential += thread::elastic_energy(r, s) -
-                 weight.dot((pose_[e].position + pose_[e + 1].position) / 2 +
-                            r.length / 12 * (s.ta - s.tb));
+    potential +=
+        thread::elastic_energy(r, s) -
+        weight.dot((pose_[e].position + pose_[e + 1].position) / 2 + r.length / 12 * (s.ta - s.tb));
   }
   for (Index i = 0; i < nodes(); ++i) potential -= load.segment<3>(6 * i).dot(pose_[i].position);
   for (const NodeSpring& spring : springs_) {
@@ -34,7 +34,8 @@ void Rod::static_residual(const Vec3& gravity, const VecX& load, VecX& residual,
     residual.segment<3>(6 * spring.node) += spring.stiffness.translation * d;
     residual.segment<3>(6 * spring.node + 3) += spring.stiffness.rotation * w;
     potential += (spring.stiffness.translation * d.squaredNorm() +
-                  spring.stiffness.rotation * w.squaredNorm()) / 2;
+                  spring.stiffness.rotation * w.squaredNorm()) /
+                 2;
   }
   for (const Index node : clamped_) residual.segment<6>(6 * node).setZero();
 }
@@ -86,11 +87,11 @@ Real Rod::largest_turn(const std::vector<Pose>& poses, const Dofs& step) const {
   return largest;
 }
 
-// Newton with the tension as an unknown of its own, condensed beam by beam: the right-hand side is that of
-// the displacement form, but the geometric stiffness takes the tension predicted by the last step,
-// EA (strain + strain gradient . step), and not the one that the second-order stretch of a finite
-// rotation fakes. It needs no line search where the displacement form creeps (a thread is almost
-// inextensible); turning is limited to half a radian per step.
+// Newton with the tension as an unknown of its own, condensed beam by beam: the right-hand side is
+// that of the displacement form, but the geometric stiffness takes the tension predicted by the
+// last step, EA (strain + strain gradient . step), and not the one that the second-order stretch of
+// a finite rotation fakes. It needs no line search where the displacement form creeps (a thread is
+// almost inextensible); turning is limited to half a radian per step.
 Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
                                     int max_iterations) {
   const Real spacing = abscissa_.back() / static_cast<Real>(beams());
@@ -113,15 +114,15 @@ Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real 
     static_residual(gravity, load, r, potential);
     report.residual = 0;
     for (Index i = 0; i < nodes(); ++i)
-      report.residual = std::max({report.residual, r.segment<3>(6 * i).norm(),
-                                  r.segment<3>(6 * i + 3).norm() / spacing});
+      report.residual = std::max(
+          {report.residual, r.segment<3>(6 * i).norm(), r.segment<3>(6 * i + 3).norm() / spacing});
     report.converged = report.residual <= tolerance;
     if (report.converged || report.iterations == max_iterations) break;
 
     assemble_tangent(gravity, tangent, &tension);
-    // Shift until positive definite: the step then goes downhill. Close to the end not under a moment of
-    // fixed axis, which has no potential; nor in the last third of the iterations, in case the equilibrium
-    // is an unstable one, to which shifted steps creep.
+    // Shift until positive definite: the step then goes downhill. Close to the end not under a
+    // moment of fixed axis, which has no potential; nor in the last third of the iterations, in
+    // case the equilibrium is an unstable one, to which shifted steps creep.
     const bool as_is = report.residual < turning || report.iterations >= 2 * max_iterations / 3;
     Real shift = 0;
     for (;;) {
@@ -141,9 +142,11 @@ Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real 
     for (Index e = 0; e < beams(); ++e) {
       element_state(e, s);
       const Real predicted =
-          s.tension + elements_[e].axial * strain_gradient(elements_[e], s).dot(
-              (Vec9() << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e),
-               step.segment<3>(6 * e + 3), step.segment<3>(6 * e + 9)).finished());
+          s.tension + elements_[e].axial *
+                          strain_gradient(elements_[e], s)
+                              .dot((Vec9() << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e),
+                                    step.segment<3>(6 * e + 3), step.segment<3>(6 * e + 9))
+                                       .finished());
       tension[e] += factor * (predicted - tension[e]);
     }
     move(pose_, twist_, step, factor, pose_, twist_);

@@ -24,8 +24,9 @@ Real turning_angle(const Rod& rod, Index beam) {
 
 namespace {
 
-/// Does one beam in place of beams e and e + 1 have their elastic energy, to half a percent? At rest it does; a
-/// short wave that runs along the thread it would swallow. What beams bent by a tenth of `angle` have does not matter.
+/// Does one beam in place of beams e and e + 1 have their elastic energy, to half a percent? At
+/// rest it does; a short wave that runs along the thread it would swallow. What beams bent by a
+/// tenth of `angle` have does not matter.
 bool keeps_energy(const Rod& rod, Index e, Real angle) {
   const auto& rest = rod.poses(Configuration::rest);
   const auto& now = rod.poses(Configuration::current);
@@ -72,13 +73,15 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
     const bool bent = angle[e] > rules.angle || length(e) * angle[e] / 8 > rules.sagitta;
     split[e] = (bent && length(e) >= 2 * rules.shortest) || length(e) > rules.longest * (1 + 1e-9);
   }
-  // Grading: a beam more than twice as long as what its neighbour becomes is split too; spreads both ways.
+  // Grading: a beam more than twice as long as what its neighbour becomes is split too; spreads
+  // both ways.
   const auto after = [&](Index e) { return length(e) / (split[e] ? 2 : 1); };
   for (bool more = true; more;) {
     more = false;
     for (Index e = 0; e < n; ++e) {
       if (split[e] || fixed(e)) continue;
-      const Real neighbour = std::min(e > 0 ? after(e - 1) : length(e), e + 1 < n ? after(e + 1) : length(e));
+      const Real neighbour =
+          std::min(e > 0 ? after(e - 1) : length(e), e + 1 < n ? after(e + 1) : length(e));
       if (length(e) > 2 * neighbour * (1 + 1e-9)) split[e] = 1, more = true;
     }
   }
@@ -92,10 +95,12 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   Index last_merged = -2;  // second beam of the last merged pair
   for (Index e = 0; e < n; ++e) {
     // May node e + 1 go? Its two beams become one; neighbours must stand the longer one.
-    bool merge = e + 1 < n && !fixed(e) && e != last_merged && !split[e] && !split[e + 1] && !is_forced(s[e + 1]);
+    bool merge = e + 1 < n && !fixed(e) && e != last_merged && !split[e] && !split[e + 1] &&
+                 !is_forced(s[e + 1]);
     if (merge) {
       const Real L = length(e) + length(e + 1), theta = angle[e] + angle[e + 1];
-      const Real left = e > 0 ? (last_merged == e - 1 ? length(e - 1) + length(e - 2) : after(e - 1)) : L;
+      const Real left =
+          e > 0 ? (last_merged == e - 1 ? length(e - 1) + length(e - 2) : after(e - 1)) : L;
       const Real right = e + 2 < n ? after(e + 2) : L;
       merge = theta < rules.angle / 2 && L * theta / 8 < rules.sagitta / 2 &&
               L <= rules.longest * (1 + 1e-9) && L <= 2 * left * (1 + 1e-9) &&

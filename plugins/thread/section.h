@@ -1,4 +1,5 @@
-// Cross-section of needle and thread: a solid circle, whose bending and torsion may be softened for braids.
+// Cross-section of needle and thread: a solid circle, whose bending and torsion may be softened for
+// braids.
 #pragma once
 
 #include <numbers>
@@ -16,8 +17,10 @@ struct Section {
 
   Real area() const { return std::numbers::pi * radius * radius; }
   Real second_moment() const { return area() * radius * radius / 4; }
-  Real axial_stiffness() const { return young * area(); }                              ///< EA, N
-  Real bending_stiffness() const { return young * second_moment() * bending_factor; }  ///< EI, N m^2
+  Real axial_stiffness() const { return young * area(); }  ///< EA, N
+  Real bending_stiffness() const {
+    return young * second_moment() * bending_factor;
+  }  ///< EI, N m^2
   /// GJ, N m^2; the polar moment of a circle is twice the second moment.
   Real torsion_stiffness() const { return bending_stiffness() / (1 + poisson); }
   /// kappa G A, N, with the coefficient of Cowper (1966) for the circle.

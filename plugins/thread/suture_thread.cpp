@@ -8,7 +8,8 @@ namespace sutura::thread {
 
 void SutureThread::initialise(Setup& setup) {
   if (tip_direction.norm() < 1e-9) setup.error(*this, "tip_direction must not be zero");
-  if (tip_direction.cross(plane_normal).norm() < 1e-6 * tip_direction.norm() * plane_normal.norm() ||
+  if (tip_direction.cross(plane_normal).norm() <
+          1e-6 * tip_direction.norm() * plane_normal.norm() ||
       plane_normal.norm() < 1e-9)
     setup.error(*this, "plane_normal must not be zero nor parallel to tip_direction");
   if (!setup.diagnostics.ok()) return;
@@ -24,8 +25,8 @@ void SutureThread::initialise(Setup& setup) {
   build();
 }
 
-/// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a hold
-/// than a third of a beam moves there instead of making a sliver.
+/// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a
+/// hold than a third of a beam moves there instead of making a sliver.
 std::vector<Real> SutureThread::node_abscissae() const {
   std::vector<Real> nodes;
   const auto uniform = [&](Real from, Real length, Index beams) {
@@ -38,16 +39,17 @@ std::vector<Real> SutureThread::node_abscissae() const {
 
   std::vector<Real> fixed = {0, needle_arc_length, shape_.length()};
   const auto is_fixed = [&](Real s) {
-    return std::any_of(fixed.begin(), fixed.end(),
-                       [s](Real f) { return std::abs(f - s) < 1e-12; });
+    return std::any_of(fixed.begin(), fixed.end(), [s](Real f) { return std::abs(f - s) < 1e-12; });
   };
   for (const Real s : holds_) {
     const auto right = std::lower_bound(nodes.begin(), nodes.end(), s);
     const auto near = right == nodes.begin() || *right - s < s - *(right - 1) ? right : right - 1;
     const Real spacing = right == nodes.begin() ? 0 : *right - *(right - 1);
     if (std::abs(*near - s) > 1e-9) {
-      if (std::abs(*near - s) < spacing / 3 && !is_fixed(*near)) *near = s;
-      else nodes.insert(right, s);
+      if (std::abs(*near - s) < spacing / 3 && !is_fixed(*near))
+        *near = s;
+      else
+        nodes.insert(right, s);
     }
     fixed.push_back(s);
   }
@@ -91,7 +93,8 @@ void SutureThread::build() {
             .longest = thread_length / static_cast<Real>(thread_beams),
             .from = needle_arc_length,
             .forced = holds_};
-  // A beam is split only above twice the shortest: so many beams at most, next to those there are now.
+  // A beam is split only above twice the shortest: so many beams at most, next to those there are
+  // now.
   if (sampling_angle > 0) {
     const Index most = rod_.beams() + static_cast<Index>(thread_length / shortest_beam);
     sampling_work_.reserve(static_cast<std::size_t>(most));
@@ -112,18 +115,22 @@ void SutureThread::correct(const StepContext& context, const VecX& force) {
 
 void SutureThread::resample() {
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
-  rod_.resample(sampling_work_.nodes, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
+  rod_.resample(
+      sampling_work_.nodes, [&](Real s) { return shape_.rest(s); },
+      [&](Real s) { return section(s); });
 }
 
-/// After free motion: where the linear answer puts it, not the curve through the free poses. Without its constraints a taut thread
-/// may turn by a radian in a step that, held, turns it by a hundredth; rows answer linearly, so d_free has to be on the same tangent.
+/// After free motion: where the linear answer puts it, not the curve through the free poses.
+/// Without its constraints a taut thread may turn by a radian in a step that, held, turns it by a
+/// hundredth; rows answer linearly, so d_free has to be on the same tangent.
 Vec3 SutureThread::point(Real s, Configuration c) const {
   if (c != Configuration::free) return curve_point(rod_, s, c);
   PointJacobian J;
   curve_jacobian(rod_, s, Configuration::free, J);
   Vec3 point = curve_point(rod_, s, Configuration::free);
   for (int k = 0; k < J.nodes; ++k) {
-    point += dt_ * J.coefficients.middleCols<6>(6 * k) * rod_.free_correction().segment<6>(6 * J.node[k]);
+    point += dt_ * J.coefficients.middleCols<6>(6 * k) *
+             rod_.free_correction().segment<6>(6 * J.node[k]);
   }
   return point;
 }
@@ -156,12 +163,16 @@ bool SutureThread::chain_compliance(const BodyRows& rows, Real dt, ChainComplian
 
 std::string SutureThread::trouble() const {
   if (!rod_.finite()) return "the state is no longer finite";
-  if (!factored_) return "the matrix of the step is not positive definite; the thread stays where it is";
+  if (!factored_)
+    return "the matrix of the step is not positive definite; the thread stays where it is";
   if (rod_.stuck())
-    return "no motion within this step loses energy, loads are too large for it; the thread stays where it is";
+    return "no motion within this step loses energy, loads are too large for it; the thread stays "
+           "where it is";
   if (rod_.excess_turn() > 1)
-    return "constraints turn a beam by more than " + std::to_string(std::lround(rod_.excess_turn())) +
-           " rad in one step, the step was cut short: the beams are too long for so soft a thread (see sampling_angle, "
+    return "constraints turn a beam by more than " +
+           std::to_string(std::lround(rod_.excess_turn())) +
+           " rad in one step, the step was cut short: the beams are too long for so soft a thread "
+           "(see sampling_angle, "
            "thread_beams), or the step is";
   return {};
 }
@@ -195,7 +206,9 @@ void SutureThread::release_hold(Index hold) {
   rod_.springs()[hold].applied = {};
 }
 
-Wrench SutureThread::hold_wrench(Index hold) const { return rod_.springs()[hold].applied; }
+Wrench SutureThread::hold_wrench(Index hold) const {
+  return rod_.springs()[hold].applied;
+}
 
 Real SutureThread::largest_strain() const {
   Real largest = 0;

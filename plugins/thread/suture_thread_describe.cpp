@@ -5,7 +5,8 @@ namespace sutura::thread {
 void SutureThread::describe(Describe<SutureThread>& d) {
   using T = SutureThread;
   d.summary(
-      "Needle and suture thread as one chain of corotational beams: abscissa 0 at the needle tip, growing "
+      "Needle and suture thread as one chain of corotational beams: abscissa 0 at the needle tip, "
+      "growing "
       "to the end of the thread.");
   d.theory("See docs/theory/thread.md.");
 
@@ -13,7 +14,8 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Length of the needle along its arc; 0: thread without needle.");
   d.attribute("needle_angle", &T::needle_angle, "rad", between(0, 6.2),
               "Angle of the needle's arc; 180 deg is a half circle, 0 a straight needle.");
-  d.attribute("needle_diameter", &T::needle_diameter, "m", above(0), "Diameter of the needle's wire.");
+  d.attribute("needle_diameter", &T::needle_diameter, "m", above(0),
+              "Diameter of the needle's wire.");
   d.attribute("needle_young", &T::needle_young, "Pa", above(0), "Young modulus of the needle.");
   d.attribute("needle_poisson", &T::needle_poisson, "1", between(0, 0.5),
               "Poisson ratio of the needle.");
@@ -26,25 +28,30 @@ void SutureThread::describe(Describe<SutureThread>& d) {
   d.attribute("thread_poisson", &T::thread_poisson, "1", between(0, 0.5),
               "Poisson ratio of the thread.");
   d.attribute("thread_density", &T::thread_density, "kg/m^3", above(0), "Density of the thread.");
-  d.attribute("bending_factor", &T::bending_factor, "1", strictly_between(0, 10),
-              "Bending and torsional stiffness relative to a solid wire of the same modulus: 1 for a "
-              "monofilament, about 0.05 for a braid.");
+  d.attribute(
+      "bending_factor", &T::bending_factor, "1", strictly_between(0, 10),
+      "Bending and torsional stiffness relative to a solid wire of the same modulus: 1 for a "
+      "monofilament, about 0.05 for a braid.");
   d.attribute("thread_rest_curvature", &T::thread_rest_curvature, "1/m", any(),
               "Memory of the spool: curvature of the thread at rest, in the plane of the needle.");
   d.attribute("thread_beams", &T::thread_beams, between(1, 100000), "Beams of the thread.");
 
-  d.attribute("sampling_angle", &T::sampling_angle, "rad", between(0, 1),
-              "Adaptive sampling: a beam of the thread that turns by more is split, down to shortest_beam; two "
-              "that together turn by less than half of it are merged, up to the length that thread_beams "
-              "gives. 0: the beams stay as they are.");
-  d.attribute("shortest_beam", &T::shortest_beam, "m", above(0), "Shortest beam of adaptive sampling.");
+  d.attribute(
+      "sampling_angle", &T::sampling_angle, "rad", between(0, 1),
+      "Adaptive sampling: a beam of the thread that turns by more is split, down to shortest_beam; "
+      "two "
+      "that together turn by less than half of it are merged, up to the length that thread_beams "
+      "gives. 0: the beams stay as they are.");
+  d.attribute("shortest_beam", &T::shortest_beam, "m", above(0),
+              "Shortest beam of adaptive sampling.");
 
   d.attribute("tip", &T::tip, "m", any(), "Where the needle tip is at the start.");
   d.attribute("tip_direction", &T::tip_direction, "1", any(),
               "Where the tip points: the direction in which it advances.");
-  d.attribute("plane_normal", &T::plane_normal, "1", any(),
-              "Normal of the needle's plane: turning the needle right-handed about it advances the tip "
-              "along the needle's own arc.");
+  d.attribute(
+      "plane_normal", &T::plane_normal, "1", any(),
+      "Normal of the needle's plane: turning the needle right-handed about it advances the tip "
+      "along the needle's own arc.");
   d.attribute("thread_direction", &T::thread_direction, "1", any(),
               "Direction in which the thread is laid out at the start; 0 0 0: straight on from the "
               "needle's end.");

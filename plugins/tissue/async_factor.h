@@ -16,8 +16,8 @@
 
 namespace sutura {
 
-/// The matrix of one step and the rotations of its nodes. Written by the simulation, then not changed
-/// until the factor made from it has been replaced.
+/// The matrix of one step and the rotations of its nodes. Written by the simulation, then not
+/// changed until the factor made from it has been replaced.
 struct Snapshot {
   NodeMatrix A;
   std::vector<Mat3> rotations;
@@ -30,22 +30,22 @@ struct SnapshotFactor {
   std::shared_ptr<Snapshot> snapshot;
   std::shared_ptr<const FactorPlan> plan;
   std::unique_ptr<Factor> factor;
-  MatX tail;          ///< compliance of the candidates, in the axes of the snapshot
-  bool ok = false;    ///< false: not positive definite
-  bool rough = false; ///< keep the factor in single precision too
-  double seconds = 0; ///< wall time of the factorisation
+  MatX tail;           ///< compliance of the candidates, in the axes of the snapshot
+  bool ok = false;     ///< false: not positive definite
+  bool rough = false;  ///< keep the factor in single precision too
+  double seconds = 0;  ///< wall time of the factorisation
 
   std::vector<Index> place;  ///< per node, among the candidates; -1
 
-  /// Fills the rest from the snapshot; `base` is any plan of its pattern. The same bits on whichever
-  /// worker it runs, and whatever factor was here before.
+  /// Fills the rest from the snapshot; `base` is any plan of its pattern. The same bits on
+  /// whichever worker it runs, and whatever factor was here before.
   void factorise(const std::shared_ptr<const FactorPlan>& base);
 };
 
 class FactorWorker {
  public:
-  /// `hook`, for tests: called on the worker before each factorisation with the step of the snapshot;
-  /// it may sleep, and the job is lost without an answer if it returns false.
+  /// `hook`, for tests: called on the worker before each factorisation with the step of the
+  /// snapshot; it may sleep, and the job is lost without an answer if it returns false.
   using Hook = std::function<bool(Index step)>;
   explicit FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook = {});
   ~FactorWorker();
@@ -54,7 +54,8 @@ class FactorWorker {
 
   /// A snapshot has been handed in and its factor not taken out yet.
   bool busy() const { return busy_; }
-  /// Not while busy. `job` carries the snapshot, and if it has one, a factor whose memory is reused.
+  /// Not while busy. `job` carries the snapshot, and if it has one, a factor whose memory is
+  /// reused.
   void submit(std::unique_ptr<SnapshotFactor> job);
   /// The answer, waiting for it at most `patience`; null if there is none yet.
   std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience);

@@ -57,16 +57,18 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
     report_.factor_age = step_ - current_->snapshot->step;
     report_.stale = report_.factor_age > options_.max_age;
     if (report_.stale)
-      report_.complain("the worker is late: the factor is " +
-                       std::to_string(report_.factor_age) + " steps old");
+      report_.complain("the worker is late: the factor is " + std::to_string(report_.factor_age) +
+                       " steps old");
   }
 }
 
 /// A copy of the matrix of this step, in recycled memory.
 std::unique_ptr<SnapshotFactor> AsyncSolver::take_snapshot() {
   auto job = spare_ ? std::move(spare_) : std::make_unique<SnapshotFactor>();
-  if (!job->snapshot) job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, {}, -1});
-  else job->snapshot->A = *A_;
+  if (!job->snapshot)
+    job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, {}, -1});
+  else
+    job->snapshot->A = *A_;
   job->rough = rough();
   job->snapshot->rotations = rotations_;
   if (candidates_.outgrown()) candidates_.choose(step_);
@@ -97,8 +99,8 @@ void AsyncSolver::adopt_what_is_due() {
   if (!in_flight_ || !is_due()) return;
   std::unique_ptr<SnapshotFactor> fresh;
   if (!worker_lost_)
-    fresh = worker_->take(
-        std::chrono::duration<double>(adoption_is_fixed() ? options_.patience : 0));
+    fresh =
+        worker_->take(std::chrono::duration<double>(adoption_is_fixed() ? options_.patience : 0));
   if (!fresh) {
     if (!adoption_is_fixed()) return;
     if (worker_lost_) {
@@ -121,8 +123,7 @@ void AsyncSolver::adopt(std::unique_ptr<SnapshotFactor> fresh) {
   if (!fresh->ok) {
     ++report_.failed_factors;
     report_.complain("the matrix of step " + std::to_string(fresh->snapshot->step) +
-                     " is not positive definite" +
-                     (current_ ? ": keeping the older factor" : ""));
+                     " is not positive definite" + (current_ ? ": keeping the older factor" : ""));
     spare_ = std::move(fresh);
     return;
   }
@@ -174,7 +175,8 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   last_iterations_ = std::max(last_iterations_, r.iterations);
   const bool older = current_ && current_->snapshot->step != step_;
   if (!r.converged && older && factorise_here()) {
-    report_.complain("the older factor was too poor: the matrix of the step was factorised at once");
+    report_.complain(
+        "the older factor was too poor: the matrix of the step was factorised at once");
     r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
                    options_.max_iterations);
     report_.iterations += r.iterations;

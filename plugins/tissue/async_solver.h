@@ -21,18 +21,19 @@ struct Adoption {
 
 struct AsyncOptions {
   FactorBackend backend = default_backend();
-  Real tolerance = 1e-4;        ///< |b - A x| / |b|
-  Index max_iterations = 200;   ///< then the matrix of the step is factorised at once
-  /// -1: a factor is adopted in the first step that finds it ready. k >= 0: exactly k steps after its
-  /// snapshot, waiting for it if need be, so that a run can be repeated bit by bit.
+  Real tolerance = 1e-4;       ///< |b - A x| / |b|
+  Index max_iterations = 200;  ///< then the matrix of the step is factorised at once
+  /// -1: a factor is adopted in the first step that finds it ready. k >= 0: exactly k steps after
+  /// its snapshot, waiting for it if need be, so that a run can be repeated bit by bit.
   Index lag = -1;
   /// Not empty: snapshots and adoptions happen exactly as in this log of an earlier run with lag -1
   /// (AsyncSolver::adoptions), whose results are then repeated bit by bit.
   std::vector<Adoption> replay;
   Index refactor_iterations = 2;  ///< a step that needed more asks for a new factor
-  Index max_age = 200;            ///< steps; at three quarters of it a factor is replaced anyway, past it it is stale
-  /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot here. The
-  /// result is the same.
+  Index max_age =
+      200;  ///< steps; at three quarters of it a factor is replaced anyway, past it it is stale
+  /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot
+  /// here. The result is the same.
   Real patience = 10;
   FactorWorker::Hook hook;  ///< for tests
 };
@@ -68,8 +69,8 @@ class AsyncSolver : public TissueSolver {
   bool wants_new_factor() const;
   bool adoption_is_fixed() const { return options_.lag >= 0 || !options_.replay.empty(); }
   bool is_due() const;
-  /// Single precision turns 1e-6 of the residual of a perfect factor into noise: too much where more
-  /// digits are asked for, nothing for the usual tolerances.
+  /// Single precision turns 1e-6 of the residual of a perfect factor into noise: too much where
+  /// more digits are asked for, nothing for the usual tolerances.
   bool rough() const { return options_.tolerance >= 1e-5; }
   const Preconditioner& preconditioner();
 
@@ -83,10 +84,10 @@ class AsyncSolver : public TissueSolver {
   std::vector<Mat3> rotations_;
   Index step_ = 0;
 
-  std::unique_ptr<SnapshotFactor> current_;  ///< in use; null until one succeeds
-  std::unique_ptr<SnapshotFactor> spare_;    ///< memory of the one before
-  std::shared_ptr<Snapshot> in_flight_;      ///< handed to the worker, not adopted yet
-  bool worker_lost_ = false;                 ///< it never answered: factorise here from now on
+  std::unique_ptr<SnapshotFactor> current_;    ///< in use; null until one succeeds
+  std::unique_ptr<SnapshotFactor> spare_;      ///< memory of the one before
+  std::shared_ptr<Snapshot> in_flight_;        ///< handed to the worker, not adopted yet
+  bool worker_lost_ = false;                   ///< it never answered: factorise here from now on
   std::unique_ptr<SnapshotFactor> postponed_;  ///< what the lost worker would have been given
   std::unique_ptr<FactorWorker> worker_;
 

@@ -57,7 +57,9 @@ NodeMatrix::NodeMatrix(std::shared_ptr<const NodePattern> pattern)
     : pattern_(std::move(pattern)),
       values_(static_cast<std::size_t>(9 * pattern_->slots() + 1), Real(0)) {}
 
-void NodeMatrix::set_zero() { std::fill(values_.begin(), values_.end(), Real(0)); }
+void NodeMatrix::set_zero() {
+  std::fill(values_.begin(), values_.end(), Real(0));
+}
 
 void NodeMatrix::add_diagonal(std::span<const Real> m, Real scale) {
   for (Index i = 0; i < nodes(); ++i) {
@@ -80,8 +82,8 @@ void NodeMatrix::multiply(const VecX& x, VecX& y) const {
   const std::size_t n = static_cast<std::size_t>(nodes());
   assert(x.size() == 3 * nodes());
   y.resize(x.size());
-  // One register per node, three numbers and a zero (in x) or rubbish (in y): a row of a block is read
-  // together with the first number of the next row, which then does no harm.
+  // One register per node, three numbers and a zero (in x) or rubbish (in y): a row of a block is
+  // read together with the first number of the next row, which then does no harm.
   struct Packed {
     Lanes at;
   };

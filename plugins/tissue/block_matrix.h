@@ -15,7 +15,8 @@ namespace sutura {
 /// the first of its row. Immutable, shared between a matrix, its copies and its factors.
 class NodePattern {
  public:
-  /// `pairs`: the coupled nodes i != j, in any order, repeated at will. Every diagonal block exists.
+  /// `pairs`: the coupled nodes i != j, in any order, repeated at will. Every diagonal block
+  /// exists.
   NodePattern(Index nodes, std::span<const std::array<Index, 2>> pairs);
 
   Index nodes() const { return static_cast<Index>(row_start_.size()) - 1; }

@@ -10,12 +10,13 @@ namespace {
 
 constexpr Index never = std::numeric_limits<Index>::min() / 2;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+std::size_t at(Index i) {
+  return static_cast<std::size_t>(i);
+}
 
 /// The columns A^-1 H^T of the rows listed in `outside`, and what they add to W.
 void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vector<Index>& outside,
-                     const std::vector<char>& is_outside, Index dofs, Real dt,
-                     Eigen::Ref<MatX> W) {
+                     const std::vector<char>& is_outside, Index dofs, Real dt, Eigen::Ref<MatX> W) {
   constexpr std::size_t chunk = 16;  // several right-hand sides share the pass over the factor
   MatX columns(dofs, static_cast<Index>(std::min(chunk, outside.size())));
   for (std::size_t first = 0; first < outside.size(); first += chunk) {
@@ -53,8 +54,8 @@ void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
   std::vector<Vec3> turned(rows.node.size());  // Q^T h, per entry
   for (std::size_t e = 0; e < rows.node.size(); ++e) {
     const Eigen::Map<const Vec3> h(&rows.value[3 * e]);
-    turned[e] = compliance.turn.empty() ? Vec3(h)
-                                        : Vec3(compliance.turn[at(rows.node[e])].transpose() * h);
+    turned[e] =
+        compliance.turn.empty() ? Vec3(h) : Vec3(compliance.turn[at(rows.node[e])].transpose() * h);
   }
   VecX y(C.rows());
   for (Index r = 0; r < rows.size(); ++r) {
@@ -112,9 +113,8 @@ void Candidates::choose(Index step) {
   is_chosen_.assign(is_chosen_.size(), 0);
   for (Index i = 0; i < pattern_->nodes(); ++i)
     if (touched_at_[at(i)] >= step - memory && !fixed_[at(i)]) chosen_.push_back(i);
-  std::stable_sort(chosen_.begin(), chosen_.end(), [&](Index a, Index b) {
-    return touched_at_[at(a)] > touched_at_[at(b)];
-  });
+  std::stable_sort(chosen_.begin(), chosen_.end(),
+                   [&](Index a, Index b) { return touched_at_[at(a)] > touched_at_[at(b)]; });
   if (static_cast<Index>(chosen_.size()) >= limit) {
     chosen_.resize(at(limit));
     full_until_ = step + memory;
@@ -130,7 +130,8 @@ void Candidates::choose(Index step) {
   };
   std::vector<char> is_touched(is_chosen_);
   for (Index i = 0; i < pattern_->nodes(); ++i)
-    for (std::int32_t k = pattern_->row_start()[at(i)] + 1; k < pattern_->row_start()[at(i + 1)]; ++k) {
+    for (std::int32_t k = pattern_->row_start()[at(i)] + 1; k < pattern_->row_start()[at(i + 1)];
+         ++k) {
       const Index j = pattern_->column()[at(k)];
       if (is_touched[at(i)]) grow(j);
       if (is_touched[at(j)]) grow(i);

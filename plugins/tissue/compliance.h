@@ -1,9 +1,9 @@
 // The compliance of a tissue seen by constraints: W = h^2 H A^-1 H^T.
 //
-// Nodes that are touched are eliminated last, so the last Schur block of the factor is the inverse of
-// their compliance C, and C comes with the factor, made by the worker. W is then H Q C Q^T H^T, with
-// Q the rotation of the material since the factor was made: no solve in the step. Nodes outside are
-// solved for until the next factor includes them.
+// Nodes that are touched are eliminated last, so the last Schur block of the factor is the inverse
+// of their compliance C, and C comes with the factor, made by the worker. W is then H Q C Q^T H^T,
+// with Q the rotation of the material since the factor was made: no solve in the step. Nodes
+// outside are solved for until the next factor includes them.
 #pragma once
 
 #include <memory>
@@ -50,8 +50,8 @@ class Candidates {
   Index full_until_ = -1;  ///< step; before it a new choice could not hold more touched nodes
 };
 
-/// W += h^2 H A^-1 H^T over the rows of one body. Returns the number of rows that had to be solved for
-/// because they touch nodes outside the candidates.
+/// W += h^2 H A^-1 H^T over the rows of one body. Returns the number of rows that had to be solved
+/// for because they touch nodes outside the candidates.
 Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
                             Eigen::Ref<MatX> W);
 

@@ -38,8 +38,7 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   has_tail_ = false;
   report_.failed_factors = failed + (ok_ ? 0 : 1);
   report_.adopted_at = step;
-  if (!ok_)
-    report_.complain("the matrix is not positive definite: conjugate gradients instead");
+  if (!ok_) report_.complain("the matrix is not positive definite: conjugate gradients instead");
 }
 
 void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
@@ -77,6 +76,8 @@ NodeCompliance SynchronousSolver::compliance() const {
   return {&tail_, place_, {}};
 }
 
-std::unique_ptr<TissueSolver> make_direct_solver() { return std::make_unique<SynchronousSolver>(); }
+std::unique_ptr<TissueSolver> make_direct_solver() {
+  return std::make_unique<SynchronousSolver>();
+}
 
 }  // namespace sutura

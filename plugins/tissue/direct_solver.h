@@ -1,4 +1,5 @@
-// Factorises the matrix of every step: exact, simple, and the reference for the asynchronous solver.
+// Factorises the matrix of every step: exact, simple, and the reference for the asynchronous
+// solver.
 #pragma once
 
 #include <memory>
@@ -42,7 +43,7 @@ class SynchronousSolver : public TissueSolver {
   Index step_ = 0;
   const NodeMatrix* A_ = nullptr;
   bool ok_ = false;
-  mutable MatX tail_;          ///< inverted when first asked for in a step
+  mutable MatX tail_;  ///< inverted when first asked for in a step
   mutable bool has_tail_ = false;
   MatX x_;
   VecX in_, out_;

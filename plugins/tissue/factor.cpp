@@ -99,9 +99,9 @@ void FactorPlan::place(std::span<const Index> last) {
       columns[static_cast<std::size_t>(std::min(p, q))].push_back({std::max(p, q), k, p < q});
     }
   }
-  // The Schur complement over the tail is dense in any case (the rest couples every pair). Saying so
-  // in the structure makes the tail one chain of the elimination tree, which keeps it last and whole
-  // when the backend reorders the tree.
+  // The Schur complement over the tail is dense in any case (the rest couples every pair). Saying
+  // so in the structure makes the tail one chain of the elimination tree, which keeps it last and
+  // whole when the backend reorders the tree.
   const auto first_tail = order.size() - tail.size();
   for (std::size_t q = first_tail; q < order.size(); ++q) {
     auto& column = columns[q];
@@ -181,7 +181,9 @@ std::shared_ptr<const FactorPlan> with_last(const FactorPlan& plan, std::span<co
   return std::make_shared<FactorPlan>(plan, last);
 }
 
-std::span<const Index> tail_nodes(const FactorPlan& plan) { return plan.tail; }
+std::span<const Index> tail_nodes(const FactorPlan& plan) {
+  return plan.tail;
+}
 
 std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan) {
 #ifdef SUTURA_WITH_CHOLMOD

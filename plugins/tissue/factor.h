@@ -1,5 +1,5 @@
-// Cholesky factors of a tissue's system matrix, behind one interface: CHOLMOD (supernodal, fast, GPL)
-// or Eigen (simplicial, permissive). No type of either appears here.
+// Cholesky factors of a tissue's system matrix, behind one interface: CHOLMOD (supernodal, fast,
+// GPL) or Eigen (simplicial, permissive). No type of either appears here.
 #pragma once
 
 #include <memory>
@@ -42,8 +42,8 @@ class Factor {
   /// C = (A^-1) over the `last` nodes of the plan (3 count square, order of `tail_nodes`): the
   /// inverse of the last Schur block L_ss L_ss^T. Empty if there are none.
   virtual MatX tail_compliance() const = 0;
-  /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve is
-  /// bound by reading L, which is then half as long. For preconditioning.
+  /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve
+  /// is bound by reading L, which is then half as long. For preconditioning.
   virtual void solve_roughly(Eigen::Ref<MatX> columns) const { solve(columns); }
   /// Asks for what solve_roughly needs, to be made by every factorise from now on.
   virtual void keep_rough() {}

@@ -123,8 +123,9 @@ class CholmodFactor : public Factor {
     b.xtype = CHOLMOD_REAL;
     b.dtype = CHOLMOD_DOUBLE;
     cholmod_solve2(CHOLMOD_A, L_, &b, nullptr, &x_, nullptr, &y_, &e_, &common_);
-    plan_->extend(Eigen::Map<const MatX>(static_cast<const Real*>(x_->x), work_.rows(), work_.cols()),
-                  columns);
+    plan_->extend(
+        Eigen::Map<const MatX>(static_cast<const Real*>(x_->x), work_.rows(), work_.cols()),
+        columns);
   }
 
   MatX tail_compliance() const override {
@@ -177,8 +178,8 @@ class CholmodFactor : public Factor {
     rough_below_.resize(static_cast<Index>(L_->maxesize));
   }
 
-  /// rough_x_ <- (L L^T)^-1 rough_x_. Supernode s: columns first .. first + width of L, dense over its
-  /// `height` rows, of which the first `width` are those columns themselves.
+  /// rough_x_ <- (L L^T)^-1 rough_x_. Supernode s: columns first .. first + width of L, dense over
+  /// its `height` rows, of which the first `width` are those columns themselves.
   void solve_rough_x() const {
     const auto* super = static_cast<const int*>(L_->super);
     const auto* pi = static_cast<const int*>(L_->pi);
@@ -208,7 +209,8 @@ class CholmodFactor : public Factor {
         auto below = rough_below_.head(height - width);
         for (int i = width; i < height; ++i) below[i - width] = rough_x_[rows[pi[s] + i]];
         x.noalias() -=
-            Panel(L + width, height - width, width, Eigen::OuterStride<>(height)).transpose() * below;
+            Panel(L + width, height - width, width, Eigen::OuterStride<>(height)).transpose() *
+            below;
       }
       for (int j = width - 1; j >= 0; --j)
         x[j] = (x[j] - top.col(j).tail(width - j - 1).dot(x.tail(width - j - 1))) / top(j, j);

@@ -42,8 +42,8 @@ std::vector<std::int32_t> fill_reducing_order(const std::vector<std::int32_t>& s
     static_assert(sizeof(idx_t) == sizeof(std::int32_t));
     auto n = static_cast<idx_t>(start.size() - 1);
     std::vector<idx_t> xadj(start), adjacency(neighbour), order(start.size() - 1), position(order);
-    // METIS seeds and draws from the random numbers of the C library: two calls at once would disturb
-    // each other's sequence, and with it the order and the last bits of every result.
+    // METIS seeds and draws from the random numbers of the C library: two calls at once would
+    // disturb each other's sequence, and with it the order and the last bits of every result.
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
     if (METIS_NodeND(&n, xadj.data(), adjacency.data(), nullptr, nullptr, order.data(),

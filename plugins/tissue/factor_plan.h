@@ -19,9 +19,9 @@ class FactorPlan {
 
   FactorBackend backend = FactorBackend::eigen;
   std::shared_ptr<const NodePattern> pattern;
-  std::vector<std::int32_t> base;       ///< free nodes in fill-reducing order, the tail at its place
-  std::vector<std::int32_t> order;      ///< free nodes, in elimination order
-  std::vector<Index> tail;              ///< the last ones of `order`
+  std::vector<std::int32_t> base;   ///< free nodes in fill-reducing order, the tail at its place
+  std::vector<std::int32_t> order;  ///< free nodes, in elimination order
+  std::vector<Index> tail;          ///< the last ones of `order`
   /// Lower triangle of the reordered matrix by columns: row indices, and where in
   /// NodeMatrix::values each entry comes from (-1: a zero kept for the structure).
   std::vector<std::int32_t> column_start;

@@ -33,8 +33,8 @@ void BlockJacobi::apply(Eigen::Ref<MatX> columns) const {
     }
 }
 
-void WarpedFactor::set(const Factor& factor, std::span<const Mat3> then,
-                       std::span<const Mat3> now, bool rough) {
+void WarpedFactor::set(const Factor& factor, std::span<const Mat3> then, std::span<const Mat3> now,
+                       bool rough) {
   assert(then.size() == now.size());
   factor_ = &factor;
   rough_ = rough;
@@ -48,8 +48,10 @@ void WarpedFactor::apply(Eigen::Ref<MatX> columns) const {
       auto v = columns.col(c).segment<3>(3 * static_cast<Index>(i));
       v = (turn_[i].transpose() * v).eval();
     }
-  if (rough_) factor_->solve_roughly(columns);
-  else factor_->solve(columns);
+  if (rough_)
+    factor_->solve_roughly(columns);
+  else
+    factor_->solve(columns);
   for (Index c = 0; c < columns.cols(); ++c)
     for (std::size_t i = 0; i < turn_.size(); ++i) {
       auto v = columns.col(c).segment<3>(3 * static_cast<Index>(i));
@@ -70,8 +72,8 @@ void Pcg::drop(Index c, Index& active) {
 }
 
 PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Preconditioner& P,
-                     const Eigen::Ref<const MatX>& b, MatX& x, Real tolerance,
-                     Index max_iterations, bool start_from_x) {
+                     const Eigen::Ref<const MatX>& b, MatX& x, Real tolerance, Index max_iterations,
+                     bool start_from_x) {
   const Index n = b.rows();
   Index active = b.cols();
   for (MatX* m : {&r_, &z_, &p_, &Ap_})
@@ -107,8 +109,10 @@ PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Pre
   };
   for (Index c = active - 1; c >= 0; --c) {
     const Real residual = norm_b_[c] > 0 ? r_.col(c).norm() / norm_b_[c] : 0;
-    if (!std::isfinite(norm_b_[c]) || !std::isfinite(residual)) retire(c, residual, false);
-    else if (residual <= tolerance) retire(c, residual, true);
+    if (!std::isfinite(norm_b_[c]) || !std::isfinite(residual))
+      retire(c, residual, false);
+    else if (residual <= tolerance)
+      retire(c, residual, true);
   }
 
   while (active > 0) {
@@ -117,8 +121,10 @@ PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Pre
     const bool first = report.iterations == 0;
     for (Index c = 0; c < active; ++c) {
       const Real rz = r_.col(c).dot(z_.col(c));
-      if (first) p_.col(c) = z_.col(c);
-      else p_.col(c) = z_.col(c) + (rz / rz_[c]) * p_.col(c);
+      if (first)
+        p_.col(c) = z_.col(c);
+      else
+        p_.col(c) = z_.col(c) + (rz / rz_[c]) * p_.col(c);
       rz_[c] = rz;
     }
     ++report.iterations;
@@ -135,7 +141,8 @@ PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Pre
       x.col(column_[static_cast<std::size_t>(c)]) += alpha * in_;
       r_.col(c) -= alpha * out_;
       const Real residual = r_.col(c).norm() / norm_b_[c];
-      if (residual <= tolerance) retire(c, residual, true);
+      if (residual <= tolerance)
+        retire(c, residual, true);
       else if (report.iterations >= max_iterations || !std::isfinite(residual))
         retire(c, residual, false);
     }
@@ -157,8 +164,8 @@ bool RecentSolutions::start(const NodeMatrix& A, std::span<const char> fixed, co
   const MatX G = x_.leftCols(count_).transpose() * Ax_.leftCols(count_);
   const VecX scale = G.diagonal().cwiseMax(0).cwiseSqrt();
   if (!(scale.minCoeff() > 0) || !scale.allFinite()) return false;
-  // Scaled to ones on the diagonal; solutions of successive steps are nearly parallel, and directions
-  // that differ by rounding only are left out by the small shift.
+  // Scaled to ones on the diagonal; solutions of successive steps are nearly parallel, and
+  // directions that differ by rounding only are left out by the small shift.
   MatX S = G;
   for (Index i = 0; i < count_; ++i)
     for (Index j = 0; j < count_; ++j) S(i, j) = (G(i, j) + G(j, i)) / (2 * scale[i] * scale[j]);

@@ -16,8 +16,8 @@ namespace sutura {
 class Preconditioner {
  public:
   virtual ~Preconditioner() = default;
-  /// z <- P^-1 r, in place, one or more columns; symmetric positive definite; rows of fixed nodes of
-  /// the result are zero.
+  /// z <- P^-1 r, in place, one or more columns; symmetric positive definite; rows of fixed nodes
+  /// of the result are zero.
   virtual void apply(Eigen::Ref<MatX> columns) const = 0;
 };
 
@@ -48,8 +48,8 @@ class WarpedFactor : public Preconditioner {
 };
 
 struct PcgReport {
-  Index iterations = 0;   ///< of the slowest column; one product with A and one with P^-1 each
-  Real residual = 0;      ///< |b - A x| / |b|, of the worst column
+  Index iterations = 0;  ///< of the slowest column; one product with A and one with P^-1 each
+  Real residual = 0;     ///< |b - A x| / |b|, of the worst column
   bool converged = true;
 };
 
@@ -70,9 +70,9 @@ class Pcg {
   std::vector<Index> column_;  ///< which column of x each active one is
 };
 
-/// Where to start: the best combination, in the energy norm, of the solutions of the last steps. Forces
-/// and matrix change smoothly, so what was just solved is most of what is asked next; it costs one
-/// product with A per vector, where an iteration costs two triangular solves.
+/// Where to start: the best combination, in the energy norm, of the solutions of the last steps.
+/// Forces and matrix change smoothly, so what was just solved is most of what is asked next; it
+/// costs one product with A per vector, where an iteration costs two triangular solves.
 class RecentSolutions {
  public:
   static constexpr Index most = 6;

@@ -28,7 +28,8 @@ SmoothedT4::SmoothedT4(const std::vector<Vec3>& rest, const std::vector<Tet>& te
 std::vector<std::array<Index, 2>> SmoothedT4::pairs() const {
   std::vector<std::vector<Index>> around(static_cast<std::size_t>(node_count_));
   for (const Tet& t : tets_)
-    for (const Index i : t) around[static_cast<std::size_t>(i)].insert(around[i].end(), t.begin(), t.end());
+    for (const Index i : t)
+      around[static_cast<std::size_t>(i)].insert(around[i].end(), t.begin(), t.end());
   std::vector<std::array<Index, 2>> pairs;
   for (std::vector<Index>& nodes : around) {
     std::sort(nodes.begin(), nodes.end());
@@ -116,9 +117,9 @@ SmoothedT4::Domains SmoothedT4::make_domains(std::vector<Share> shares,
       const Domain& d = domains[std::min(first + static_cast<std::size_t>(k), last)];
       std::size_t a = 0;
       for (const auto& [node, gradient] : d.gradient) {
-        for (int i = 0; i < 3; ++i)
-          out.gradients[p.gradient + a].at[i][k] = gradient[i] / d.volume;
-        out.nodes[p.node + lanes * a++ + static_cast<std::size_t>(k)] = static_cast<std::int32_t>(node);
+        for (int i = 0; i < 3; ++i) out.gradients[p.gradient + a].at[i][k] = gradient[i] / d.volume;
+        out.nodes[p.node + lanes * a++ + static_cast<std::size_t>(k)] =
+            static_cast<std::int32_t>(node);
       }
       for (; a < static_cast<std::size_t>(p.count); ++a) {
         for (int i = 0; i < 3; ++i) out.gradients[p.gradient + a].at[i][k] = 0;
@@ -202,9 +203,10 @@ void SmoothedT4::add(const Domains& d, const VecX& x, Real scale, NodeMatrix& A,
       for (int i = 0; i < 3; ++i) g[i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
       Lanes t[3];  // R T G, T the stress times volume
       if constexpr (shear) {
-        const Lanes TG[3] = {(two_mu * E[0] + pressure) * G[0] + two_mu * (E[3] * G[1] + E[4] * G[2]),
-                             (two_mu * E[1] + pressure) * G[1] + two_mu * (E[3] * G[0] + E[5] * G[2]),
-                             (two_mu * E[2] + pressure) * G[2] + two_mu * (E[4] * G[0] + E[5] * G[1])};
+        const Lanes TG[3] = {
+            (two_mu * E[0] + pressure) * G[0] + two_mu * (E[3] * G[1] + E[4] * G[2]),
+            (two_mu * E[1] + pressure) * G[1] + two_mu * (E[3] * G[0] + E[5] * G[2]),
+            (two_mu * E[2] + pressure) * G[2] + two_mu * (E[4] * G[0] + E[5] * G[1])};
         for (int i = 0; i < 3; ++i) t[i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
       } else {
         for (int i = 0; i < 3; ++i) t[i] = pressure * g[i];
@@ -265,8 +267,8 @@ Real SmoothedT4::energy(const VecX& x) const {
       Lanes E[6];
       biot_strain(F, R, E);
       const Lanes trace = E[0] + E[1] + E[2];
-      const Lanes square = E[0] * E[0] + E[1] * E[1] + E[2] * E[2] +
-                           2.0 * (E[3] * E[3] + E[4] * E[4] + E[5] * E[5]);
+      const Lanes square =
+          E[0] * E[0] + E[1] * E[1] + E[2] * E[2] + 2.0 * (E[3] * E[3] + E[4] * E[4] + E[5] * E[5]);
       const Lanes energy = p.mu * square + 0.5 * p.lambda * trace * trace;
       for (int k = 0; k < lanes; ++k) total += energy[k];
     }

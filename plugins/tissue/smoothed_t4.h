@@ -2,10 +2,11 @@
 //
 // Linear tets have as many volume constraints as elements, five per node: near nu = 0.5 nothing is
 // left to bend. Here the deviatoric energy lives on edges (F averaged over the tets around an edge)
-// and the volumetric energy on nodes (F averaged over the tets around a node): one volume constraint
-// per node, and shear without the stiffness of the single tet. Corotational as the plain element:
-// the energy uses the polar rotation of each average. docs/theory/tissue.md has the chart.
-// After: Liu and Nguyen-Thoi, smoothed finite elements (edges); Bonet and Burton 1998 (nodal volume).
+// and the volumetric energy on nodes (F averaged over the tets around a node): one volume
+// constraint per node, and shear without the stiffness of the single tet. Corotational as the plain
+// element: the energy uses the polar rotation of each average. docs/theory/tissue.md has the chart.
+// After: Liu and Nguyen-Thoi, smoothed finite elements (edges); Bonet and Burton 1998 (nodal
+// volume).
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ class SmoothedT4 final : public ElasticModel {
   /// Four domains side by side. A domain is what one average is taken over: its nodes (ascending),
   /// and the gradient with which each enters F. Short domains are filled up with gradients of zero.
   struct Pack {
-    std::int32_t count;  ///< nodes
+    std::int32_t count;                ///< nodes
     std::size_t gradient, node, slot;  ///< where they start in the arrays below
     Lanes mu, lambda;                  ///< times volume (N m)
   };
@@ -47,7 +48,7 @@ class SmoothedT4 final : public ElasticModel {
     std::vector<std::int32_t> nodes;  ///< lanes * pack.count each
     std::vector<std::int32_t> slots;  ///< lanes * count (count + 1) / 2 each: blocks a <= b
   };
-  struct Share {  ///< of a tet in a domain
+  struct Share {          ///< of a tet in a domain
     Index first, second;  ///< nodes of the edge; the same one twice for a node
     int material;
     std::size_t tet;
@@ -62,8 +63,8 @@ class SmoothedT4 final : public ElasticModel {
 
   Index node_count_;
   std::vector<Tet> tets_;
-  std::vector<Real> volume_;                          ///< m^3, per tet
-  std::vector<Eigen::Matrix<Real, 3, 4>> gradient_;   ///< of the shape functions, per tet (1/m)
+  std::vector<Real> volume_;                         ///< m^3, per tet
+  std::vector<Eigen::Matrix<Real, 3, 4>> gradient_;  ///< of the shape functions, per tet (1/m)
   const NodePattern* pattern_ = nullptr;
   Domains edges_, nodes_;
   std::vector<Gradient> turned_, traction_;  ///< work space of `add`

@@ -43,12 +43,15 @@ void describe_outputs(Describe<T>& d) {
 }  // namespace
 
 void DirectSolver::describe(Describe<DirectSolver>& d) {
-  d.summary("Factorises the matrix of a tissue in every step. Exact; the cost grows fast with nodes.");
+  d.summary(
+      "Factorises the matrix of a tissue in every step. Exact; the cost grows fast with nodes.");
   describe_backend(d);
   describe_outputs(d);
 }
 
-void DirectSolver::initialise(Setup& setup) { set_backend(chosen(backend, *this, setup)); }
+void DirectSolver::initialise(Setup& setup) {
+  set_backend(chosen(backend, *this, setup));
+}
 
 void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
   d.summary(
@@ -57,9 +60,10 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
   d.theory(
       "P^-1 = Q F0^-1 Q^T with F0 the factorised matrix and Q the rotation of the material around "
       "each node since then. An old factor costs iterations, never accuracy.");
-  d.attribute("lag", &AsyncPreconditioner::lag,
-              "When a new factor is adopted: \"free\", as soon as it is there, or a number of steps "
-              "after its snapshot, for runs that repeat bit by bit.");
+  d.attribute(
+      "lag", &AsyncPreconditioner::lag,
+      "When a new factor is adopted: \"free\", as soon as it is there, or a number of steps "
+      "after its snapshot, for runs that repeat bit by bit.");
   d.attribute("tolerance", &AsyncPreconditioner::tolerance, "1", strictly_between(0, 1),
               "Relative residual |b - A x| / |b| at which the iteration stops.");
   d.attribute("max_iterations", &AsyncPreconditioner::max_iterations, at_least(1),
@@ -67,7 +71,8 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
   d.attribute("refactor_iterations", &AsyncPreconditioner::refactor_iterations, at_least(0),
               "A step that needed more iterations asks for a new factor.");
   d.attribute("max_age", &AsyncPreconditioner::max_age, at_least(1),
-              "Age in steps that no factor should reach: at three quarters of it a new one is asked for, whatever the iterations.");
+              "Age in steps that no factor should reach: at three quarters of it a new one is "
+              "asked for, whatever the iterations.");
   describe_backend(d);
   describe_outputs(d);
 }

@@ -112,7 +112,7 @@ class Tissue : public Component, public SolidBody {
   VecX residual_;          ///< momentum missing there, without constraints and reactions (N s)
   VecX constraint_force_;  ///< of the last step (N)
   VecX rhs_, product_, reaction_;
-  Index linearisations_ = 0;  ///< in the last step
+  Index linearisations_ = 0;    ///< in the last step
   std::string solver_trouble_;  ///< in all of them but the last, which the solver still knows
   std::unique_ptr<ElasticModel> elastic_;
   std::unique_ptr<NodeMatrix> A_;

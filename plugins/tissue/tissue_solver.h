@@ -13,15 +13,15 @@ namespace sutura {
 
 /// What the solver did in this step.
 struct TissueSolveReport {
-  Index iterations = 0;     ///< of PCG, summed over all solves of the step; 0: direct
-  Index solves = 0;         ///< right-hand sides
-  Real residual = 0;        ///< |b - A x| / |b|, the worst of the step
-  Index factor_age = 0;     ///< steps between the factorised matrix and this one
-  Index adopted_at = -1;    ///< step at which the factor in use was adopted
-  Index failed_factors = 0; ///< factorisations that failed so far
+  Index iterations = 0;      ///< of PCG, summed over all solves of the step; 0: direct
+  Index solves = 0;          ///< right-hand sides
+  Real residual = 0;         ///< |b - A x| / |b|, the worst of the step
+  Index factor_age = 0;      ///< steps between the factorised matrix and this one
+  Index adopted_at = -1;     ///< step at which the factor in use was adopted
+  Index failed_factors = 0;  ///< factorisations that failed so far
   bool converged = true;
-  bool stale = false;       ///< the factor is older than the policy allows: the worker is late
-  std::string message;      ///< empty, or what went wrong: clauses, in the order of events
+  bool stale = false;   ///< the factor is older than the policy allows: the worker is late
+  std::string message;  ///< empty, or what went wrong: clauses, in the order of events
 
   /// Once per step, however many right-hand sides run into it.
   void complain(const std::string& clause) {

@@ -9,7 +9,8 @@
 namespace sutura {
 namespace {
 
-/// Components so that each comes after those it links to; document order otherwise. Loading has refused rings of links.
+/// Components so that each comes after those it links to; document order otherwise. Loading has
+/// refused rings of links.
 class InitialisationOrder {
  public:
   explicit InitialisationOrder(const Scene& scene) : scene_(scene) {

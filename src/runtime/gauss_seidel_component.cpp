@@ -10,25 +10,33 @@ namespace sutura {
 
 void GaussSeidel::describe(Describe<GaussSeidel>& d) {
   d.summary(
-      "Solves the constraints of a step: block Gauss-Seidel, warm-started, with a direct step over the rows whose state "
+      "Solves the constraints of a step: block Gauss-Seidel, warm-started, with a direct step over "
+      "the rows whose state "
       "is settled. The default solver of a scene that names none.");
   d.theory(
-      "delta = W lambda + d_free and one law per block. The law residual is the largest change that any law still asks "
-      "for, in units of its block (0.1 N and 0.1 mm unless the source says otherwise). Irreversible events (a puncture, "
-      "a break-away) fire only on converged forces, all at once, and the solve goes on. See docs/theory/solver.md.");
+      "delta = W lambda + d_free and one law per block. The law residual is the largest change "
+      "that any law still asks "
+      "for, in units of its block (0.1 N and 0.1 mm unless the source says otherwise). "
+      "Irreversible events (a puncture, "
+      "a break-away) fire only on converged forces, all at once, and the solve goes on. See "
+      "docs/theory/solver.md.");
   d.attribute("tolerance", &GaussSeidel::tolerance_, "1",
               {.low = 0, .high = 1e-3, .low_open = true},
-              "Law residual at which the solve stops; at most 1e-3, where events would fire on transient forces.");
+              "Law residual at which the solve stops; at most 1e-3, where events would fire on "
+              "transient forces.");
   d.attribute("sweeps", &GaussSeidel::sweeps_, at_least(1),
               "Budget: sweeps over all blocks in one solve.");
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");
   d.attribute("acceleration", &GaussSeidel::acceleration_, {"none", "nncg", "subspace"},
               "What helps the sweeps: nothing, nonlinear conjugate gradients, or the direct step.");
-  d.attribute("compliance", &GaussSeidel::compliance_, {"auto", "assembled", "operator"},
-              "How the compliance of a thread is kept: as part of the dense W, as an operator that never forms it, or "
-              "whichever is counted to be cheaper in this step. The forces are the same to rounding.");
+  d.attribute(
+      "compliance", &GaussSeidel::compliance_, {"auto", "assembled", "operator"},
+      "How the compliance of a thread is kept: as part of the dense W, as an operator that never "
+      "forms it, or "
+      "whichever is counted to be cheaper in this step. The forces are the same to rounding.");
   d.attribute("dump", &GaussSeidel::dump_,
-              "Folder, under the output folder, for problems to be replayed by the solver bench: every one that does not "
+              "Folder, under the output folder, for problems to be replayed by the solver bench: "
+              "every one that does not "
               "converge (at most 100) and the slowest so far; empty: none.");
   d.attribute("dump_every", &GaussSeidel::dump_every_, at_least(0),
               "With `dump`: also every so many solves; 0: none.");

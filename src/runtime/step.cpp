@@ -7,10 +7,8 @@
 namespace sutura {
 
 const StepReport& Simulation::step() {
-  const StepContext context{.dt = scene_->dt,
-                            .time = report_.time,
-                            .step = report_.step,
-                            .gravity = scene_->gravity};
+  const StepContext context{
+      .dt = scene_->dt, .time = report_.time, .step = report_.step, .gravity = scene_->gravity};
   StageTimer timer(report_.seconds);
 
   // Tracks and graspers say where the tools are at the end of the step.

@@ -23,14 +23,18 @@ void BodyRows::add_transposed(const VecX& lambda, VecX& force) const {
 void BodyRows::add_product(const VecX& u, VecX& delta) const {
   for (std::size_t i = 0; i < row.size(); ++i)
     for (Index e = start[i]; e < start[i + 1]; ++e)
-      delta[row[i]] += u.segment(node[static_cast<std::size_t>(e)] * width, width)
-                           .dot(Eigen::Map<const VecX>(&value[static_cast<std::size_t>(e * width)], width));
+      delta[row[i]] +=
+          u.segment(node[static_cast<std::size_t>(e)] * width, width)
+              .dot(Eigen::Map<const VecX>(&value[static_cast<std::size_t>(e * width)], width));
 }
 
-bool Body::chain_compliance(const BodyRows&, Real, ChainCompliance&) const { return false; }
+bool Body::chain_compliance(const BodyRows&, Real, ChainCompliance&) const {
+  return false;
+}
 
 void Body::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
-  // Few columns at a time: the solve profits from several right-hand sides, the memory stays in cache.
+  // Few columns at a time: the solve profits from several right-hand sides, the memory stays in
+  // cache.
   constexpr Index chunk = 16;
   thread_local MatX columns;  // keeps its memory from step to step
   const Index count = rows.size(), width = rows.width;
@@ -50,7 +54,8 @@ void Body::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) con
       for (Index i = 0; i <= first + j; ++i) {
         Real w = 0;
         for (Index e = rows.start[entry(i)]; e < rows.start[entry(i + 1)]; ++e)
-          w += block.col(j).segment(rows.node[entry(e)] * width, width)
+          w += block.col(j)
+                   .segment(rows.node[entry(e)] * width, width)
                    .dot(Eigen::Map<const VecX>(&rows.value[entry(e * width)], width));
         w *= dt * dt;
         const Index a = rows.row[entry(i)], b = rows.row[entry(first + j)];

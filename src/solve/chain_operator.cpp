@@ -27,7 +27,8 @@ void ChainOperator::prepare(const ConstraintProblem& problem, const ChainComplia
   for (const Index node : chain.node) place_of_node_[static_cast<std::size_t>(node)] = -1;
 }
 
-/// The rows of one block, from `row` on: their coefficients by node, nodes in the order of the chain.
+/// The rows of one block, from `row` on: their coefficients by node, nodes in the order of the
+/// chain.
 void ChainOperator::read_block(const ConstraintBlock& block, const BodyRows& rows,
                                std::size_t& row) {
   BlockRows out{block.first_row, block.law->dim, 0, place_.size(), value_.size()};
@@ -112,7 +113,8 @@ void ChainOperator::multiply(const VecX& lambda, VecX& delta) {
   products_ += static_cast<Index>(4 * t);
 }
 
-// --- the tree ---------------------------------------------------------------------------------------------------
+// --- the tree
+// ---------------------------------------------------------------------------------------------------
 
 void ChainOperator::build_tree() {
   tree_built_ = true;
@@ -256,7 +258,8 @@ void ChainOperator::add_force(std::size_t block, const Real* change) {
   }
 }
 
-// --- products of all with all -----------------------------------------------------------------------------------
+// --- products of all with all
+// -----------------------------------------------------------------------------------
 
 void ChainOperator::combine(std::span<const RowCombination> combinations, bool moves,
                             std::vector<Vec6>& vectors) const {
@@ -322,7 +325,8 @@ void ChainOperator::add_products(std::span<const RowCombination> combinations, b
                                  Eigen::Ref<MatX> matrix) {
   // With y(f) = what a force f sends to the left, and half of what it does at its own node,
   //   test W move = test . y(move) + move . y(test),
-  // so a symmetric matrix is a matrix plus its transpose, equal to its own transpose to the last bit.
+  // so a symmetric matrix is a matrix plus its transpose, equal to its own transpose to the last
+  // bit.
   combine(combinations, true, moved_);
   if (symmetric) {
     left_products(combinations, moved_, moved_, [&](Index i, Index j, Real x) {

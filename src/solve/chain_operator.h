@@ -1,11 +1,15 @@
-// The compliance of one chain as an operator: W_chain lambda, row by row, without W_chain. docs/theory/solver.md.
+// The compliance of one chain as an operator: W_chain lambda, row by row, without W_chain.
+// docs/theory/solver.md.
 //
-// With F_a the force (6) at touched node a, the displacement there is u_a = own_a (F_a + phi_a) + beta_a,
-//   phi_a  = sum_{b<a} (transfer_b ... transfer_{a-1})^T F_b      what arrives from the left, a force
-//   beta_a = sum_{b>a} transfer_a ... transfer_{b-1} own_b F_b    what arrives from the right, a motion
-// A balanced binary tree over the touched nodes keeps, for every stretch of them, the product of its transfers and the
-// two messages that it sends: a change of F_a renews one message per level, u_a gathers one per level. Visiting a block
-// costs O(log t), in any order of blocks, and does not know how many beams the chain has.
+// With F_a the force (6) at touched node a, the displacement there is u_a = own_a (F_a + phi_a) +
+// beta_a,
+//   phi_a  = sum_{b<a} (transfer_b ... transfer_{a-1})^T F_b      what arrives from the left, a
+//   force beta_a = sum_{b>a} transfer_a ... transfer_{b-1} own_b F_b    what arrives from the
+//   right, a motion
+// A balanced binary tree over the touched nodes keeps, for every stretch of them, the product of
+// its transfers and the two messages that it sends: a change of F_a renews one message per level,
+// u_a gathers one per level. Visiting a block costs O(log t), in any order of blocks, and does not
+// know how many beams the chain has.
 #pragma once
 
 #include <span>
@@ -15,8 +19,8 @@
 
 namespace sutura {
 
-/// A combination of the rows of one block: the force `move` on them, and the weights `test` with which their
-/// displacement is seen. Pointers to as many numbers as the block has rows.
+/// A combination of the rows of one block: the force `move` on them, and the weights `test` with
+/// which their displacement is seen. Pointers to as many numbers as the block has rows.
 struct RowCombination {
   std::size_t block;
   const Real* move;
@@ -24,7 +28,8 @@ struct RowCombination {
   Index at;  ///< row and column in the matrix of products
 };
 
-/// Used in this order: prepare; diagonal and products, any time; multiply, begin_sweep, visits; multiply again.
+/// Used in this order: prepare; diagonal and products, any time; multiply, begin_sweep, visits;
+/// multiply again.
 class ChainOperator {
  public:
   /// Takes the chain of this step (kept by reference) and the rows H of its body.
@@ -36,8 +41,8 @@ class ChainOperator {
   void add_diagonal(std::size_t block, Real* W);
   /// delta += W_chain lambda, all rows, in O(t). Sets the forces F for the visits that follow.
   void multiply(const VecX& lambda, VecX& delta);
-  /// matrix(at_i, at_j) += test_i^T W_chain move_j over all pairs. `symmetric` says that test = move everywhere and asks
-  /// for the lower triangle only, at_i >= at_j.
+  /// matrix(at_i, at_j) += test_i^T W_chain move_j over all pairs. `symmetric` says that test =
+  /// move everywhere and asks for the lower triangle only, at_i >= at_j.
   void add_products(std::span<const RowCombination> combinations, bool symmetric,
                     Eigen::Ref<MatX> matrix);
 
@@ -51,7 +56,8 @@ class ChainOperator {
   /// lambda of one block changes by `change` (dim).
   void add_force(std::size_t block, const Real* change);
 
-  /// Products of a 6 x 6 block with a vector since this object was made: what a visit costs, counted.
+  /// Products of a 6 x 6 block with a vector since this object was made: what a visit costs,
+  /// counted.
   Index products() const { return products_; }
 
  private:
@@ -78,7 +84,8 @@ class ChainOperator {
   void carry(Index from, Index to, Vec6& v);
   void combine(std::span<const RowCombination> combinations, bool moves,
                std::vector<Vec6>& vectors) const;
-  /// Half of the products: what reaches nodes on the left of a force, and half of the force's own node.
+  /// Half of the products: what reaches nodes on the left of a force, and half of the force's own
+  /// node.
   template <class Add>
   void left_products(std::span<const RowCombination> combinations, const std::vector<Vec6>& forces,
                      const std::vector<Vec6>& seen, const Add& add);
@@ -91,7 +98,8 @@ class ChainOperator {
 
   std::vector<Vec6> force_, motion_;  // F and u, per touched node
 
-  // The tree: stretch 1 is all, 2 s and 2 s + 1 are the halves of s, leaves_ + a is the single node a.
+  // The tree: stretch 1 is all, 2 s and 2 s + 1 are the halves of s, leaves_ + a is the single node
+  // a.
   std::size_t leaves_ = 1;
   int levels_ = 0;
   bool tree_built_ = false;

@@ -1,6 +1,6 @@
-// What the solvers ask of W, whatever it is made of: assembled bodies in problem.W, chains as operators. One scene mixes
-// them. No virtual call: a problem without operators takes the columns of W as they lie, one with operators asks those few in
-// turn.
+// What the solvers ask of W, whatever it is made of: assembled bodies in problem.W, chains as
+// operators. One scene mixes them. No virtual call: a problem without operators takes the columns
+// of W as they lie, one with operators asks those few in turn.
 #pragma once
 
 #include <span>
@@ -17,14 +17,15 @@ class Compliance {
   void prepare(const ConstraintProblem& problem);
   bool has_operators() const { return operators_ > 0; }
 
-  /// The block of W on the diagonal, packed, so that a law gets a contiguous matrix: dim x dim, column major.
+  /// The block of W on the diagonal, packed, so that a law gets a contiguous matrix: dim x dim,
+  /// column major.
   const Real* operator[](std::size_t block) const { return &diagonal_[offset_[block]]; }
 
   /// delta <- W lambda + d_free, all rows.
   void update_delta(ConstraintProblem& problem);
 
-  /// A sweep visits blocks in any order, between begin and end. delta of problem is whole outside of that, and at its
-  /// beginning must belong to lambda.
+  /// A sweep visits blocks in any order, between begin and end. delta of problem is whole outside
+  /// of that, and at its beginning must belong to lambda.
   void begin_sweep();
   /// delta of one block as it is now.
   void displacement(const ConstraintProblem& problem, std::size_t block, Real* delta);
@@ -32,7 +33,8 @@ class Compliance {
   void add_change(ConstraintProblem& problem, std::size_t block, const Real* change);
   void end_sweep(ConstraintProblem& problem);
 
-  /// matrix(at_i, at_j) += test_i^T W move_j; `symmetric` (test = move everywhere): the lower triangle only.
+  /// matrix(at_i, at_j) += test_i^T W move_j; `symmetric` (test = move everywhere): the lower
+  /// triangle only.
   void add_products(const ConstraintProblem& problem, std::span<const RowCombination> combinations,
                     bool symmetric, Eigen::Ref<MatX> matrix);
 

@@ -52,10 +52,11 @@ void ComplianceStage::run(std::span<const Body* const> bodies, ConstraintProblem
       bodies[i]->add_compliance(problem.bodies[i], dt, problem.W);
 }
 
-/// Expected multiplications, in the two forms, of all that differs between them (docs/theory/solver.md). A count and not
-/// a time: a run must not depend on the machine. Its unit is a multiplication in a long column of W; measured once
-/// (solver bench), those in a 6 x 6 block take 1.5 of it, those of a matrix-vector product half, and picking an
-/// entry out of W for the direct step 4.
+/// Expected multiplications, in the two forms, of all that differs between them
+/// (docs/theory/solver.md). A count and not a time: a run must not depend on the machine. Its unit
+/// is a multiplication in a long column of W; measured once (solver bench), those in a 6 x 6 block
+/// take 1.5 of it, those of a matrix-vector product half, and picking an entry out of W for the
+/// direct step 4.
 void ComplianceStage::count(const ConstraintProblem& problem, std::size_t body,
                             const SolveReport& last, ComplianceReport& report) const {
   const BodyRows& rows = problem.bodies[body];

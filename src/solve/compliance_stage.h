@@ -1,4 +1,5 @@
-// The stage "compliance": W of the assembled bodies, chains as operators, and which of the two a chain becomes.
+// The stage "compliance": W of the assembled bodies, chains as operators, and which of the two a
+// chain becomes.
 #pragma once
 
 #include <span>
@@ -11,8 +12,8 @@ namespace sutura {
 
 class ComplianceStage {
  public:
-  /// Fills problem.W and problem.chains. `last`: how the step before was solved, from which the cost of this one is
-  /// expected. `reports`: one per body.
+  /// Fills problem.W and problem.chains. `last`: how the step before was solved, from which the
+  /// cost of this one is expected. `reports`: one per body.
   void run(std::span<const Body* const> bodies, ConstraintProblem& problem, Real dt,
            ComplianceForm form, const SolveReport& last, std::span<ComplianceReport> reports);
 

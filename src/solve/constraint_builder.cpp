@@ -1,5 +1,5 @@
-// What sources append, made into the arrays of one step's problem. All buffers keep their capacity, so that a
-// step allocates nothing once the largest problem has been seen.
+// What sources append, made into the arrays of one step's problem. All buffers keep their capacity,
+// so that a step allocates nothing once the largest problem has been seen.
 #include <algorithm>
 #include <cassert>
 
@@ -110,7 +110,8 @@ void ConstraintBuilder::gather_rows(std::size_t body) {
           merged_nodes_.push_back(node);
           merged_values_.resize(merged_values_.size() + dim * width, Real(0));
         }
-        const Real* from = &patch_values_[patch.first_value + static_cast<std::size_t>(k) * width * dim];
+        const Real* from =
+            &patch_values_[patch.first_value + static_cast<std::size_t>(k) * width * dim];
         Real* to = &merged_values_[slot * width * dim];
         for (std::size_t j = 0; j < dim * width; ++j) to[j] += from[j];
       }

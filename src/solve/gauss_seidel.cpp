@@ -6,8 +6,8 @@
 
 namespace sutura {
 
-/// A new order for every sweep: good whatever the graph of contacts (algorithms.md, finding 5). Seeded per solve, so that
-/// the result depends on the problem and the seed alone.
+/// A new order for every sweep: good whatever the graph of contacts (algorithms.md, finding 5).
+/// Seeded per solve, so that the result depends on the problem and the seed alone.
 void BlockGaussSeidel::shuffle() {
   for (std::size_t i = order_.size(); i > 1; --i) {
     random_ += 0x9e3779b97f4a7c15ULL;  // SplitMix64 (Steele, Lea, Flood 2014)
@@ -47,7 +47,8 @@ void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {
   last_gradient_ = gradient;
 }
 
-/// Counted in multiplications: the sweeps still needed at the present rate against one factorisation.
+/// Counted in multiplications: the sweeps still needed at the present rate against one
+/// factorisation.
 bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index free, Real before,
                                         Real now) const {
   const Real n = static_cast<Real>(problem.rows()), f = static_cast<Real>(free);
@@ -101,8 +102,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
       const Index free = subspace_.gather(problem, compliance_, lambda_plus_);
       if (direct_step_pays(problem, free, before, residual.value)) {
         const Real swept = residual.value;
-        residual = subspace_.newton(problem, compliance_, residual, options_.tolerance, lambda_plus_,
-                                    report, wait == 4 || wait == 8);
+        residual = subspace_.newton(problem, compliance_, residual, options_.tolerance,
+                                    lambda_plus_, report, wait == 4 || wait == 8);
         // Modes were not right yet: let sweeps find them, longer each time.
         wait = residual.value < 0.1 * swept ? 1 : 2 * wait;
         pause = wait;

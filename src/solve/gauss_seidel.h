@@ -1,4 +1,5 @@
-// Block Gauss-Seidel, with events and a direct step, on W in whatever form it comes (compliance.h). docs/theory/solver.md.
+// Block Gauss-Seidel, with events and a direct step, on W in whatever form it comes (compliance.h).
+// docs/theory/solver.md.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,9 @@ enum class Acceleration {
 };
 
 struct GaussSeidelOptions {
-  Real tolerance = 1e-5;  ///< of the law residual, in units of the blocks
-  Index sweeps = 1000;    ///< budget
-  std::uint64_t seed = 1; ///< of the order of blocks
+  Real tolerance = 1e-5;   ///< of the law residual, in units of the blocks
+  Index sweeps = 1000;     ///< budget
+  std::uint64_t seed = 1;  ///< of the order of blocks
   Acceleration acceleration = Acceleration::subspace;
 };
 
@@ -42,7 +43,7 @@ class BlockGaussSeidel {
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;
   VecX lambda_plus_;
-  VecX before_, search_;        // NNCG
+  VecX before_, search_;  // NNCG
   Real last_gradient_ = 0;
 };
 

@@ -1,5 +1,6 @@
-// How far a problem is from its laws: the natural map. For every block, lambda_plus is what its law answers to the
-// present delta; a solution has lambda_plus = lambda. Measured in the units of each block, as a force and as a length.
+// How far a problem is from its laws: the natural map. For every block, lambda_plus is what its law
+// answers to the present delta; a solution has lambda_plus = lambda. Measured in the units of each
+// block, as a force and as a length.
 #pragma once
 
 #include <vector>
@@ -16,16 +17,16 @@ struct Residual {
   Real add(ConstraintBlock& block, const Real* W, const Real* change);
 };
 
-/// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given, receives the residual
-/// of each block.
+/// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given,
+/// receives the residual of each block.
 Residual natural_map(ConstraintProblem& problem, const Compliance& compliance, VecX& lambda_plus,
                      std::vector<Real>* per_block = nullptr);
 
 /// Fires what is due, all at once; returns how many.
 Index fire_events(ConstraintProblem& problem);
 
-/// Irreversible events wait for forces that are converged at least this well (in units of the blocks): fired on transient
-/// forces they end in wrong states (algorithms.md, finding 4).
+/// Irreversible events wait for forces that are converged at least this well (in units of the
+/// blocks): fired on transient forces they end in wrong states (algorithms.md, finding 4).
 inline constexpr Real event_gate = 1e-3;
 
 /// d = delta - W_cc lambda of one block.

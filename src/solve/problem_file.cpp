@@ -80,7 +80,8 @@ std::string read_problem(const std::string& file, std::span<const LawOperations*
     const auto size = get<std::int64_t>(in);
     if (b.law == nullptr) return file + " has a law '" + name + "' that is not enrolled";
     if (size != static_cast<std::int64_t>(b.law->params_size) || size > most_params)
-      return file + ": parameters of '" + name + "' have another size; it was written by another build";
+      return file + ": parameters of '" + name +
+             "' have another size; it was written by another build";
     constexpr std::size_t slot = sizeof(std::max_align_t);
     const std::size_t at = problem.params.size();
     b.params = at * slot;

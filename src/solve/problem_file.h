@@ -1,5 +1,5 @@
-// A constraint problem on disk, to look at a failing or slow one again. Binary, for the machine and build that wrote it:
-// parameters of laws are stored as bytes and checked by law name and size.
+// A constraint problem on disk, to look at a failing or slow one again. Binary, for the machine and
+// build that wrote it: parameters of laws are stored as bytes and checked by law name and size.
 #pragma once
 
 #include <span>

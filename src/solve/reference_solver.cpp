@@ -88,11 +88,12 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
     residual = admm(problem, count, options_.newton ? target : options_.tolerance, report.sweeps);
     if (options_.newton) {
       const VecX lambda = problem.lambda;
-      const Residual polished =
-          subspace_.newton(problem, compliance_, residual, options_.tolerance, lambda_plus_,
-                           report, target < 1e-4);
-      if (polished.value <= 0.1 * residual.value) s_ = problem.delta;
-      else problem.lambda = lambda;  // not near enough: ADMM goes on where it was
+      const Residual polished = subspace_.newton(problem, compliance_, residual, options_.tolerance,
+                                                 lambda_plus_, report, target < 1e-4);
+      if (polished.value <= 0.1 * residual.value)
+        s_ = problem.delta;
+      else
+        problem.lambda = lambda;  // not near enough: ADMM goes on where it was
       compliance_.update_delta(problem);
       residual = natural_map(problem, compliance_, lambda_plus_);
       target = std::max(0.1 * target, options_.tolerance);

@@ -1,11 +1,12 @@
-// The accuracy reference: ADMM finds the modes, Newton over the laws' tangents finishes. Slower than Gauss-Seidel on most
-// problems of a step, and independent of it: no sweep, no order.
+// The accuracy reference: ADMM finds the modes, Newton over the laws' tangents finishes. Slower
+// than Gauss-Seidel on most problems of a step, and independent of it: no sweep, no order.
 //
-// ADMM (Boyd et al. 2011, section 3; for friction Acary, Bremond, Huber 2018) alternates between the system and the laws:
+// ADMM (Boyd et al. 2011, section 3; for friction Acary, Bremond, Huber 2018) alternates between
+// the system and the laws:
 //   x <- (W + P)^-1 (P z + s - d_free)
 //   (z, s) <- each block's law with W replaced by P:  s = P z + (s - P x)
-// with P = rho * (mean diagonal of the block of W) * identity, the same in all directions of a block. At rest x = z
-// and s = W z + d_free. rho is adapted to the balance of the two residuals.
+// with P = rho * (mean diagonal of the block of W) * identity, the same in all directions of a
+// block. At rest x = z and s = W z + d_free. rho is adapted to the balance of the two residuals.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -17,8 +18,8 @@
 namespace sutura {
 
 struct ReferenceOptions {
-  Real tolerance = 1e-8;   ///< of the law residual
-  Index iterations = 4000; ///< budget of ADMM
+  Real tolerance = 1e-8;    ///< of the law residual
+  Index iterations = 4000;  ///< budget of ADMM
   bool newton = true;
 };
 

@@ -7,7 +7,9 @@
 
 namespace sutura {
 
-void SubspaceStep::begin() { factored_ = false; }
+void SubspaceStep::begin() {
+  factored_ = false;
+}
 
 void SubspaceStep::take_tangent(const ConstraintProblem& problem, Compliance& compliance,
                                 const VecX& lambda_plus, std::size_t block) {
@@ -84,7 +86,8 @@ void SubspaceStep::assemble(const ConstraintProblem& problem, Compliance& compli
     combinations_.push_back({d.block, tangent.move + first, tangent.test + first, j});
     const Index first_of_block = j - d.index;  // directions of one block are consecutive
     for (int i = symmetric_ ? d.index : 0; i < tangent.count; ++i)
-      G(first_of_block + i, j) += now_.compliance[static_cast<std::size_t>(j) * max_block_dim + static_cast<std::size_t>(i)];
+      G(first_of_block + i, j) += now_.compliance[static_cast<std::size_t>(j) * max_block_dim +
+                                                  static_cast<std::size_t>(i)];
   }
   compliance.add_products(problem, combinations_, symmetric_, G);
 }
@@ -92,17 +95,18 @@ void SubspaceStep::assemble(const ConstraintProblem& problem, Compliance& compli
 bool SubspaceStep::factorise() {
   const auto f = static_cast<Index>(now_.directions.size());
   auto G = matrix_.topLeftCorner(f, f);
-  // Unit diagonal: rows of different compliance weigh the same, and a regularisation is relative to each. It is the share
-  // of each row's own compliance that may be lost; repeating the step corrects it.
+  // Unit diagonal: rows of different compliance weigh the same, and a regularisation is relative to
+  // each. It is the share of each row's own compliance that may be lost; repeating the step
+  // corrects it.
   scale_.resize(f);
-  for (Index i = 0; i < f; ++i) scale_[i] = G(i, i) != 0 ? 1 / std::sqrt(std::abs(G(i, i))) : Real(1);
+  for (Index i = 0; i < f; ++i)
+    scale_[i] = G(i, i) != 0 ? 1 / std::sqrt(std::abs(G(i, i))) : Real(1);
   if (!scale_.allFinite()) return false;
   G.array().colwise() *= scale_.array();
   G.array().rowwise() *= scale_.transpose().array();
   constexpr Real regularisation = 1e-12;
   G.diagonal().array() += regularisation;
   if (symmetric_) {
-
     Eigen::Ref<MatX, 0, Eigen::OuterStride<>> in_place(G);
     Eigen::LLT<Eigen::Ref<MatX, 0, Eigen::OuterStride<>>> llt(in_place);
     return llt.info() == Eigen::Success;
@@ -141,7 +145,8 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
   }
   compliance.update_delta(problem);
 
-  // Rows that contradict each other have no solution; the regularised one is huge and must not be taken.
+  // Rows that contradict each other have no solution; the regularised one is huge and must not be
+  // taken.
   Real left = 0;
   for (Index j = 0; j < f; ++j) {
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
@@ -156,9 +161,9 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
   return problem.lambda.allFinite() && left <= 1e-2 * asked;
 }
 
-Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance,
-                              Residual residual, Real tolerance, VecX& lambda_plus,
-                              SolveReport& report, bool may_walk) {
+Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
+                              Real tolerance, VecX& lambda_plus, SolveReport& report,
+                              bool may_walk) {
   constexpr int most_steps = 12;
   const VecX& start = start_lambda_ = problem.lambda;
   best_ = residual;
@@ -208,7 +213,8 @@ void SubspaceStep::hold(const ConstraintProblem& problem, Compliance& compliance
 
 bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& compliance,
                               const VecX& lambda, std::size_t block) const {
-  using Small = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, max_block_dim, max_block_dim>;
+  using Small =
+      Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, max_block_dim, max_block_dim>;
   using SmallVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, max_block_dim, 1>;
   const ConstraintBlock& b = problem.blocks[block];
   const FreeDirectionsView& free = tangents_[block];
@@ -218,7 +224,8 @@ bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& comp
   const SmallVector l = lambda.segment(b.first_row, dim);
   // Coordinates of l on the tangent, and the smallest delta that the tangent then asks for.
   const Small moves = move.transpose() * move, tests = test.transpose() * test;
-  const SmallVector y = moves.ldlt().solve(move.transpose() * (l - base_.segment(b.first_row, dim)));
+  const SmallVector y =
+      moves.ldlt().solve(move.transpose() * (l - base_.segment(b.first_row, dim)));
   SmallVector asked(f);
   for (int i = 0; i < f; ++i) {
     asked[i] = -free.gap[i];
@@ -236,10 +243,13 @@ void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real
   const std::size_t blocks = problem.blocks.size();
   natural_map(problem, compliance, lambda_plus, &block_residual_);
   for (std::size_t i = 0; i < blocks; ++i) {
-    if (block_residual_[i] <= tolerance) take_tangent(problem, compliance, lambda_plus, i);
-    else hold(problem, compliance, problem.lambda, i);
+    if (block_residual_[i] <= tolerance)
+      take_tangent(problem, compliance, lambda_plus, i);
+    else
+      hold(problem, compliance, problem.lambda, i);
   }
-  // At most 1e9 multiplications, some tenths of a second: counted, not timed, so that results do not depend on the machine.
+  // At most 1e9 multiplications, some tenths of a second: counted, not timed, so that results do
+  // not depend on the machine.
   const Real n = static_cast<Real>(problem.rows());
   const auto affordable = static_cast<std::size_t>(1e9 / (n * n * n / 6 + 2 * n * n));
   const std::size_t most_steps = std::min(3 * blocks + 20, affordable);

@@ -1,11 +1,12 @@
-// The direct step of the solver. In its present mode every law has a tangent (law.h, FreeDirections); the rows that are
-// free on it form one linear system, solved at once:
+// The direct step of the solver. In its present mode every law has a tangent (law.h,
+// FreeDirections); the rows that are free on it form one linear system, solved at once:
 //
 //   lambda = base + move y,   test^T (W lambda + d_free) + gap + compliance y = 0.
 //
-// Sweeps find the modes, this finds the forces (Morales, Nocedal, Smelyanskiy 2008; Silcowitz, Niebe, Erleben 2010). It
-// is what makes a stitch solvable: a free thread moves almost as a rigid body, W has a few huge modes that all
-// path rows share, and sweeps alone would need thousands of visits to find the differences.
+// Sweeps find the modes, this finds the forces (Morales, Nocedal, Smelyanskiy 2008; Silcowitz,
+// Niebe, Erleben 2010). It is what makes a stitch solvable: a free thread moves almost as a rigid
+// body, W has a few huge modes that all path rows share, and sweeps alone would need thousands of
+// visits to find the differences.
 #pragma once
 
 #include <Eigen/LU>
@@ -20,13 +21,14 @@ class SubspaceStep {
  public:
   void begin();  ///< a new problem: no factor of the last one is of use
 
-  /// Takes the tangents of all laws at lambda_plus (what natural_map answered). Returns the number of free directions.
-  Index gather(const ConstraintProblem& problem, Compliance& compliance,
-               const VecX& lambda_plus);
+  /// Takes the tangents of all laws at lambda_plus (what natural_map answered). Returns the number
+  /// of free directions.
+  Index gather(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda_plus);
 
-  /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may cycle. If it does and
-  /// `may_walk`, a slower walk from where it started. Leaves the best point met. lambda must be admissible for every law (as it is after
-  /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
+  /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may
+  /// cycle. If it does and `may_walk`, a slower walk from where it started. Leaves the best point
+  /// met. lambda must be admissible for every law (as it is after a sweep); `residual` and
+  /// lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                   Real tolerance, VecX& lambda_plus, SolveReport& report, bool may_walk);
 
@@ -60,17 +62,18 @@ class SubspaceStep {
   /// test^T delta + gap of one direction.
   Real left_of(const ConstraintProblem& problem, Index direction) const;
 
-  /// Active-set walk: solves on the tangents, goes towards the solution up to the first limit met, clamps what met it;
-  /// once nothing is met, lets go the one clamped block that most wants to. For laws without coupling of normal and
-  /// tangent this descends in energy and must end (Nocedal and Wright 2006, section 16.5).
-  void walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance,
-            VecX& lambda_plus, SolveReport& report);
+  /// Active-set walk: solves on the tangents, goes towards the solution up to the first limit met,
+  /// clamps what met it; once nothing is met, lets go the one clamped block that most wants to. For
+  /// laws without coupling of normal and tangent this descends in energy and must end (Nocedal and
+  /// Wright 2006, section 16.5).
+  void walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance, VecX& lambda_plus,
+            SolveReport& report);
   /// The tangent of a block at its force, with the delta that lets it rest there if the law allows.
   void hold(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda,
             std::size_t block);
   /// Whether the block may have this force on its present tangent.
-  bool admissible(const ConstraintProblem& problem, Compliance& compliance,
-                  const VecX& lambda, std::size_t block) const;
+  bool admissible(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda,
+                  std::size_t block) const;
   void keep_best(const ConstraintProblem& problem, const Residual& residual);
 
   std::vector<FreeDirectionsView> tangents_;  // per block

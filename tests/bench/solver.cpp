@@ -1,10 +1,12 @@
-// Work against precision of the constraint solvers: natural residual reached after so much time, for the synthetic
-// stitches of tests/solve_problems.h and for problems dumped from scenes (GaussSeidel dump="...").
+// Work against precision of the constraint solvers: natural residual reached after so much time,
+// for the synthetic stitches of tests/solve_problems.h and for problems dumped from scenes
+// (GaussSeidel dump="...").
 //
 //   sutura_bench_solver OUT_DIR [FILE.problem ...]
 //
-// Irreversible events are settled first (by the default solver) and kept, so that all solvers solve the same laws. Cold
-// starts at zero force, warm at the forces of the step before (files) or of a problem with 5 % other free motion.
+// Irreversible events are settled first (by the default solver) and kept, so that all solvers solve
+// the same laws. Cold starts at zero force, warm at the forces of the step before (files) or of a
+// problem with 5 % other free motion.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -32,14 +34,16 @@ struct Point {
 };
 
 /// Best of a few runs; every run starts from the same problem.
-Point measure(const ConstraintProblem& start, const std::function<SolveReport(ConstraintProblem&)>& solve) {
+Point measure(const ConstraintProblem& start,
+              const std::function<SolveReport(ConstraintProblem&)>& solve) {
   Point best;
   Real spent = 0;
   for (int run = 0; run < 5 && (run < 2 || spent < 100); ++run) {
     ConstraintProblem p = start;
     const auto before = std::chrono::steady_clock::now();
     const SolveReport report = solve(p);
-    const Real ms = std::chrono::duration<Real, std::milli>(std::chrono::steady_clock::now() - before).count();
+    const Real ms =
+        std::chrono::duration<Real, std::milli>(std::chrono::steady_clock::now() - before).count();
     spent += ms;
     if (run == 0 || ms < best.milliseconds) best = {ms, report};
   }
@@ -56,7 +60,8 @@ void sutura::run_case(const Case& c, std::ofstream& csv) {
   };
   const auto sweeps = [](Acceleration a) {
     return [a](ConstraintProblem& p, Index budget, Real tolerance) {
-      return BlockGaussSeidel({.tolerance = tolerance, .sweeps = budget, .acceleration = a}).solve(p);
+      return BlockGaussSeidel({.tolerance = tolerance, .sweeps = budget, .acceleration = a})
+          .solve(p);
     };
   };
   const Solver solvers[] = {
@@ -65,7 +70,8 @@ void sutura::run_case(const Case& c, std::ofstream& csv) {
       {"Gauss-Seidel + subspace", true, sweeps(Acceleration::subspace)},
       {"ADMM", false,
        [](ConstraintProblem& p, Index budget, Real tolerance) {
-         return ReferenceSolver({.tolerance = tolerance, .iterations = budget, .newton = false}).solve(p);
+         return ReferenceSolver({.tolerance = tolerance, .iterations = budget, .newton = false})
+             .solve(p);
        }},
       {"ADMM + Newton", true, [](ConstraintProblem& p, Index budget, Real tolerance) {
          return ReferenceSolver({.tolerance = tolerance, .iterations = budget}).solve(p);
@@ -73,21 +79,24 @@ void sutura::run_case(const Case& c, std::ofstream& csv) {
   for (const bool warm : {false, true})
     for (const Solver& s : solvers) {
       ConstraintProblem start = c.problem;
-      if (warm) start.lambda = c.warm;
-      else start.lambda.setZero();
+      if (warm)
+        start.lambda = c.warm;
+      else
+        start.lambda.setZero();
       Point last;
       for (int k = 0; k < 9; ++k) {
         const Index budget = s.by_tolerance ? 2000 : Index{1} << k * 5 / 4;  // 1 to 1024
         const Real tolerance = s.by_tolerance ? std::pow(10, 1 - k) : 1e-9;
         last = measure(start, [&](ConstraintProblem& p) { return s.solve(p, budget, tolerance); });
-        csv << c.name << ',' << c.problem.rows() << ',' << s.name << ',' << (warm ? "warm" : "cold") << ','
-            << last.report.sweeps << ',' << last.report.direct_solves << ',' << last.milliseconds << ','
-            << last.report.residual << '\n';
+        csv << c.name << ',' << c.problem.rows() << ',' << s.name << ',' << (warm ? "warm" : "cold")
+            << ',' << last.report.sweeps << ',' << last.report.direct_solves << ','
+            << last.milliseconds << ',' << last.report.residual << '\n';
         if (!s.by_tolerance && last.report.converged) break;
         if (last.milliseconds > 500) break;
       }
-      std::printf("  %-24s %s  %5td sweeps %3td direct  %9.3f ms  residual %.1e\n", s.name, warm ? "warm" : "cold",
-                  last.report.sweeps, last.report.direct_solves, last.milliseconds, last.report.residual);
+      std::printf("  %-24s %s  %5td sweeps %3td direct  %9.3f ms  residual %.1e\n", s.name,
+                  warm ? "warm" : "cold", last.report.sweeps, last.report.direct_solves,
+                  last.milliseconds, last.report.residual);
     }
 }
 
@@ -96,7 +105,8 @@ Case sutura::settle(std::string name, ConstraintProblem problem) {
   c.warm = c.problem.lambda;
   ConstraintProblem solved = c.problem;
   BlockGaussSeidel().solve(solved);
-  for (std::size_t i = 0; i < solved.blocks.size(); ++i) c.problem.blocks[i].mode = solved.blocks[i].mode;
+  for (std::size_t i = 0; i < solved.blocks.size(); ++i)
+    c.problem.blocks[i].mode = solved.blocks[i].mode;
   return c;
 }
 
@@ -122,9 +132,11 @@ int main(int argc, char** argv) {
       cases.push_back(settle(name, std::move(p)));
     }
   const LawOperations* const laws[] = {
-      &law_operations<Bilateral<1>>, &law_operations<Bilateral<2>>,   &law_operations<Bilateral<3>>,
-      &law_operations<Bilateral<6>>, &law_operations<Unilateral>,     &law_operations<Coulomb>,
-      &law_operations<PunctureLaw>,  &law_operations<PathFrictionLaw>, &law_operations<CuttingLaw>};
+      &law_operations<Bilateral<1>>, &law_operations<Bilateral<2>>,
+      &law_operations<Bilateral<3>>, &law_operations<Bilateral<6>>,
+      &law_operations<Unilateral>,   &law_operations<Coulomb>,
+      &law_operations<PunctureLaw>,  &law_operations<PathFrictionLaw>,
+      &law_operations<CuttingLaw>};
   for (int i = 2; i < argc; ++i) {
     ConstraintProblem p;
     if (const std::string error = read_problem(argv[i], laws, p); !error.empty()) {

@@ -18,7 +18,8 @@ struct Case {
 /// Modes settled by the default solver; warm is the lambda that the problem came with.
 Case settle(std::string name, ConstraintProblem problem);
 
-inline constexpr const char* case_columns = "problem,rows,solver,start,sweeps,direct solves,time ms,residual\n";
+inline constexpr const char* case_columns =
+    "problem,rows,solver,start,sweeps,direct solves,time ms,residual\n";
 /// All solvers, cold and warm: rows of `case_columns`.
 void run_case(const Case& c, std::ofstream& csv);
 

@@ -1,4 +1,5 @@
-// What the rows of a thread cost the solver, by length of the thread, number of rows and form of its compliance.
+// What the rows of a thread cost the solver, by length of the thread, number of rows and form of
+// its compliance.
 #include "solver_compliance.h"
 
 #include <chrono>

@@ -1,4 +1,5 @@
-// Problems out of our own scenes, taken while they run: as they were handed to the solver, with the forces of the step before.
+// Problems out of our own scenes, taken while they run: as they were handed to the solver, with the
+// forces of the step before.
 #include <cstdio>
 #include <sstream>
 #include <vector>
@@ -15,7 +16,9 @@ namespace {
 /// The default solver, with a look at the problem before.
 class CapturingSolver : public Component, public ConstraintSolver {
  public:
-  static void describe(Describe<CapturingSolver>& d) { d.summary("The default solver, for the bench."); }
+  static void describe(Describe<CapturingSolver>& d) {
+    d.summary("The default solver, for the bench.");
+  }
   SolveReport solve(ConstraintProblem& problem) override {
     if (capture && !taken) {
       taken = true;
@@ -45,10 +48,14 @@ struct SceneCases {
 const SceneCases scenes[] = {
     {"suture/first_stitch.xml", {{"stitch: needle cutting", 1.0}, {"stitch: thread sliding", 4.0}}},
     {"validation/tensioned_thread.xml", {{"tensioned thread", 2.1}}},
-    {"validation/three_bites.xml", {{"two bites: needle cutting", 6.2}, {"two bites: thread sliding", 8.6}, {"three bites: thread sliding", 13.3}}}};
+    {"validation/three_bites.xml",
+     {{"two bites: needle cutting", 6.2},
+      {"two bites: thread sliding", 8.6},
+      {"three bites: thread sliding", 13.3}}}};
 
 bool take(const SceneCases& from, std::vector<Case>& cases) {
-  const std::filesystem::path file = std::filesystem::path(SUTURA_SOURCE_DIR) / "scenes" / from.file;
+  const std::filesystem::path file =
+      std::filesystem::path(SUTURA_SOURCE_DIR) / "scenes" / from.file;
   std::ifstream stream(file);
   std::ostringstream text;
   text << stream.rdbuf();

@@ -1,10 +1,13 @@
 // What the thread costs and what it buys:
-//   thread_work_precision.csv   error against CPU time per step, 4 to 256 beams: card "suture cantilever"
+//   thread_work_precision.csv   error against CPU time per step, 4 to 256 beams: card "suture
+//   cantilever"
 //                               (heavy cantilever at rest) and elastica end loads
 //   thread_cost.csv             ns per beam of each part of the implicit step, 200 to 10 000 beams
-//   thread_sampling.csv         a tight loop, adaptive against uniform beams: errors, beams, CPU time per step
-//   thread_start.csv            the card from the horizontal, step by step size: error at rest, passes
-// Usage: sutura_bench_thread OUTPUT_FOLDER. Times are CPU time of this thread, best of several rounds.
+//   thread_sampling.csv         a tight loop, adaptive against uniform beams: errors, beams, CPU
+//   time per step thread_start.csv            the card from the horizontal, step by step size:
+//   error at rest, passes
+// Usage: sutura_bench_thread OUTPUT_FOLDER. Times are CPU time of this thread, best of several
+// rounds.
 #include <time.h>
 
 #include <algorithm>
@@ -48,7 +51,9 @@ double best_time(F f, int rounds = 7) {
 const Vec3 gravity(0, 0, -9.81);
 
 /// The card of the comparison: L 0.2 m, r 0.15 mm, E 1 GPa, rho 1300, nu 0.3, clamped horizontally.
-Section card() { return {.radius = 0.15e-3, .young = 1e9, .poisson = 0.3, .density = 1300}; }
+Section card() {
+  return {.radius = 0.15e-3, .young = 1e9, .poisson = 0.3, .density = 1300};
+}
 
 double step_time(Rod& rod, Real dt, const Vec3& g, const VecX& force) {
   return best_time([&] {
@@ -80,8 +85,11 @@ void work_precision(std::FILE* csv) {
     const Real error = std::hypot(tip.x() - 94.596e-3, tip.z() + 163.283e-3);
     row("suture cantilever", n, error, 0.2, step_time(rod, 0.01, gravity, none));
   }
-  struct Load { Real alpha, w, u; };  // elastica table, tests/reference/a01
-  for (const Load l : {Load{1, 0.3017207738, 0.05643323628}, Load{10, 0.8106090249, 0.5549955978}}) {
+  struct Load {
+    Real alpha, w, u;
+  };  // elastica table, tests/reference/a01
+  for (const Load l :
+       {Load{1, 0.3017207738, 0.05643323628}, Load{10, 0.8106090249, 0.5549955978}}) {
     const Real length = 0.1;
     const Section s{.radius = 0.15e-3, .young = 2e9, .poisson = 0.4, .density = 1140};
     for (Index n = 4; n <= 256; n *= 2) {
@@ -100,8 +108,10 @@ void work_precision(std::FILE* csv) {
 }
 
 void cost(std::FILE* csv) {
-  std::fprintf(csv, "beams,assemble_ns,factor_ns,solve_ns,step_ns,factor_and_solve_ns,bytes_per_beam\n");
-  std::printf("%8s %10s %10s %10s %10s   ns per beam\n", "beams", "assemble", "factor", "solve", "step");
+  std::fprintf(csv,
+               "beams,assemble_ns,factor_ns,solve_ns,step_ns,factor_and_solve_ns,bytes_per_beam\n");
+  std::printf("%8s %10s %10s %10s %10s   ns per beam\n", "beams", "assemble", "factor", "solve",
+              "step");
   for (const Index n : {200, 500, 1000, 2000, 5000, 10000}) {
     Rod rod;
     rod.build(straight_layout(2e-3 * static_cast<Real>(n), n, card()));
@@ -125,7 +135,8 @@ void cost(std::FILE* csv) {
   }
 }
 
-/// A step of the loop at rest between its held ends; with the sampling's look at every beam if it is on.
+/// A step of the loop at rest between its held ends; with the sampling's look at every beam if it
+/// is on.
 double loop_step_time(Rod& rod, Real angle) {
   loop::hold_ends(rod, loop::tight);
   const VecX none = VecX::Zero(rod.dofs());
@@ -139,16 +150,19 @@ double loop_step_time(Rod& rod, Real angle) {
 }
 
 void sampling(std::FILE* csv) {
-  std::fprintf(csv, "sampling,angle_rad,beams,shortening_error,height_error,curvature_error,cpu_us_per_step\n");
-  std::printf("%-9s %6s %6s %12s %12s %12s %12s\n", "loop", "angle", "beams", "shortening", "height", "curvature",
-              "us per step");
+  std::fprintf(
+      csv,
+      "sampling,angle_rad,beams,shortening_error,height_error,curvature_error,cpu_us_per_step\n");
+  std::printf("%-9s %6s %6s %12s %12s %12s %12s\n", "loop", "angle", "beams", "shortening",
+              "height", "curvature", "us per step");
   const auto row = [&](const char* kind, Rod& rod, Real angle) {
     const loop::Errors e = loop::errors(rod, loop::tight);
     const double us = 1e6 * loop_step_time(rod, angle);
     const auto beams = static_cast<long>(rod.beams());
-    std::fprintf(csv, "%s,%g,%ld,%.4e,%.4e,%.4e,%.2f\n", kind, angle, beams, e.shortening, e.height, e.curvature, us);
-    std::printf("%-9s %6g %6ld %12.2e %12.2e %12.2e %12.2f\n", kind, angle, beams, e.shortening, e.height,
-                e.curvature, us);
+    std::fprintf(csv, "%s,%g,%ld,%.4e,%.4e,%.4e,%.2f\n", kind, angle, beams, e.shortening, e.height,
+                 e.curvature, us);
+    std::printf("%-9s %6g %6ld %12.2e %12.2e %12.2e %12.2f\n", kind, angle, beams, e.shortening,
+                e.height, e.curvature, us);
   };
   Rod rod;
   for (const Index beams : {100, 150, 200, 300, 400, 600, 800, 1200, 2400}) {
@@ -177,9 +191,11 @@ void start(std::FILE* csv) {
     const double time = (cpu_seconds() - t0) / steps;
     const Vec3 tip = rod.poses(Configuration::current).back().position;
     const Real error = std::hypot(tip.x() - 94.596e-3, tip.z() + 163.283e-3);
-    std::fprintf(csv, "%g,%.4e,%.3f,%.2f\n", dt, error, static_cast<double>(passes) / steps, 1e6 * time);
-    std::printf("card, 50 beams, dt %5.3f s: error %.4f mm after 20 s, %.3f passes, %.1f us per step\n",
-                dt, 1e3 * error, static_cast<double>(passes) / steps, 1e6 * time);
+    std::fprintf(csv, "%g,%.4e,%.3f,%.2f\n", dt, error, static_cast<double>(passes) / steps,
+                 1e6 * time);
+    std::printf(
+        "card, 50 beams, dt %5.3f s: error %.4f mm after 20 s, %.3f passes, %.1f us per step\n", dt,
+        1e3 * error, static_cast<double>(passes) / steps, 1e6 * time);
   }
 }
 

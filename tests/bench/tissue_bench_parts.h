@@ -1,4 +1,5 @@
-// The parts of sutura_bench_tissue that measure solvers; each appends its table to a CSV in `folder`.
+// The parts of sutura_bench_tissue that measure solvers; each appends its table to a CSV in
+// `folder`.
 #pragma once
 
 #include <string>

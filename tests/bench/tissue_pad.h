@@ -1,10 +1,9 @@
 // Clocks and the pad that the tissue benchmarks share.
 #pragma once
 
-#include <ctime>
-
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +16,8 @@
 
 namespace sutura::bench {
 
-/// Milliseconds of this worker's own time, and of the wall. Beside other work the first is the fairer.
+/// Milliseconds of this worker's own time, and of the wall. Beside other work the first is the
+/// fairer.
 struct Clock {
   static double now(clockid_t id) {
     timespec t{};
@@ -29,8 +29,8 @@ struct Clock {
   double wall_ms() const { return now(CLOCK_MONOTONIC) - wall; }
 };
 
-/// What a Tissue component does in a step, without the scene: assembly, nodal rotations, one solve for
-/// the free motion, one for the constraint force.
+/// What a Tissue component does in a step, without the scene: assembly, nodal rotations, one solve
+/// for the free motion, one for the constraint force.
 class Pad {
  public:
   Pad(std::array<int, 3> cells, Real cell, const Material& material, Real dt, bool smoothed)
@@ -79,7 +79,8 @@ class Pad {
   /// A tool of 8 mm radius that circles over the pad and presses with `newtons`.
   VecX tool(Index step, Real newtons) const {
     const Real angle = 0.05 * static_cast<Real>(step), radius = 0.25 * std::min(size.x(), size.y());
-    const Vec3 at(size.x() / 2 + radius * std::cos(angle), size.y() / 2 + radius * std::sin(angle), size.z());
+    const Vec3 at(size.x() / 2 + radius * std::cos(angle), size.y() / 2 + radius * std::sin(angle),
+                  size.z());
     VecX f = VecX::Zero(x.size());
     Real sum = 0;
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
@@ -98,8 +99,8 @@ class Pad {
     MatX b(x.size(), 1);
     for (Index i = 0; i < nodes(); ++i) {
       const Real m = mass[static_cast<std::size_t>(i)];
-      b.col(0).segment<3>(3 * i) =
-          h * (force.segment<3>(3 * i) + m * Vec3(0, 0, -9.81)) + m * v.segment<3>(3 * i) - product.segment<3>(3 * i);
+      b.col(0).segment<3>(3 * i) = h * (force.segment<3>(3 * i) + m * Vec3(0, 0, -9.81)) +
+                                   m * v.segment<3>(3 * i) - product.segment<3>(3 * i);
     }
     solver.prepare(A, rotations, number);
     solver.solve(b);

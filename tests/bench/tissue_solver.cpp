@@ -1,11 +1,10 @@
 // Solvers of a tissue: time per step, iterations against age, compliance.
-#include "tissue_bench_parts.h"
-
 #include <fstream>
 #include <numbers>
 
 #include "async_solver.h"
 #include "direct_solver.h"
+#include "tissue_bench_parts.h"
 #include "tissue_pad.h"
 
 namespace sutura::bench {
@@ -58,10 +57,12 @@ Result run(std::array<int, 3> cells, TissueSolver& solver, bool smoothed, double
 
 void tissue_steps(const std::string& folder, bool large) {
   std::ofstream csv(folder + "/tissue_steps.csv");
-  csv << "nodes,tets,element,solver,assembly ms,cpu ms,wall ms,worst wall ms,iterations,age,residual,steps\n";
-  std::printf("pad under a moving tool, dt 16 ms, two solves a step, residual 1e-4; main worker only\n");
-  std::printf("%6s %-9s %-18s %9s %8s %8s %8s %6s %6s %9s\n", "nodes", "element", "solver", "assembly", "cpu ms",
-              "wall ms", "worst", "iter", "age", "residual");
+  csv << "nodes,tets,element,solver,assembly ms,cpu ms,wall ms,worst wall "
+         "ms,iterations,age,residual,steps\n";
+  std::printf(
+      "pad under a moving tool, dt 16 ms, two solves a step, residual 1e-4; main worker only\n");
+  std::printf("%6s %-9s %-18s %9s %8s %8s %8s %6s %6s %9s\n", "nodes", "element", "solver",
+              "assembly", "cpu ms", "wall ms", "worst", "iter", "age", "residual");
   std::vector<std::array<int, 3>> sizes{{14, 14, 4}, {22, 22, 5}, {26, 26, 6}, {34, 34, 7}};
   if (large) sizes.push_back({44, 44, 9});
   for (const auto& cells : sizes) {
@@ -70,7 +71,8 @@ void tissue_steps(const std::string& folder, bool large) {
       for (const char* name : {"direct cholmod", "async cholmod", "direct eigen", "async eigen"}) {
         const std::string solver_name(name);
         const bool eigen = solver_name.ends_with("eigen");
-        // Eigen's factorisation takes seconds from here on; the smoothed element is charted in tissue_cure.
+        // Eigen's factorisation takes seconds from here on; the smoothed element is charted in
+        // tissue_cure.
         if ((eigen && (nodes > 6000 || smoothed)) || (smoothed && nodes > 6000)) continue;
         if (!has_backend(FactorBackend::cholmod) && !eigen) continue;
         const FactorBackend backend = eigen ? FactorBackend::eigen : FactorBackend::cholmod;
@@ -84,12 +86,13 @@ void tissue_steps(const std::string& folder, bool large) {
         }
         const Result r = run(cells, *solver, smoothed, 5000);
         const char* element = smoothed ? "smoothed" : "t4";
-        std::printf("%6ld %-9s %-18s %9.2f %8.2f %8.2f %8.1f %6.1f %6.1f %9.1e\n", static_cast<long>(nodes), element,
-                    name, r.assembly, r.cpu, r.wall, r.worst_wall, r.iterations, r.age, r.residual);
+        std::printf("%6ld %-9s %-18s %9.2f %8.2f %8.2f %8.1f %6.1f %6.1f %9.1e\n",
+                    static_cast<long>(nodes), element, name, r.assembly, r.cpu, r.wall,
+                    r.worst_wall, r.iterations, r.age, r.residual);
         std::fflush(stdout);
-        csv << nodes << ',' << 6 * cells[0] * cells[1] * cells[2] << ',' << element << ',' << name << ',' << r.assembly
-            << ',' << r.cpu << ',' << r.wall << ',' << r.worst_wall << ',' << r.iterations << ',' << r.age << ','
-            << r.residual << ',' << r.steps << '\n';
+        csv << nodes << ',' << 6 * cells[0] * cells[1] * cells[2] << ',' << element << ',' << name
+            << ',' << r.assembly << ',' << r.cpu << ',' << r.wall << ',' << r.worst_wall << ','
+            << r.iterations << ',' << r.age << ',' << r.residual << ',' << r.steps << '\n';
         csv.flush();
       }
   }
@@ -98,35 +101,43 @@ void tissue_steps(const std::string& folder, bool large) {
 void tissue_age(const std::string& folder) {
   std::ofstream csv(folder + "/tissue_age.csv");
   csv << "state,h ms,preconditioner,iterations 1e-3,iterations 1e-6\n";
-  std::printf("beam of 3520 nodes clamped at one end: iterations to 1e-3 / 1e-6 with the factor of the rest state\n");
+  std::printf(
+      "beam of 3520 nodes clamped at one end: iterations to 1e-3 / 1e-6 with the factor of the "
+      "rest state\n");
   const Real height = 0.02, length = 54 * height / 7, degree = std::numbers::pi / 180;
   struct State {
     const char* name;
     Real bend = 0, twist = 0, dent = 0;
   };
-  const State states[] = {{"bend 30", 30, 0, 0},      {"bend 90", 90, 0, 0},     {"bend 180", 180, 0, 0},
-                          {"twist 90", 0, 90, 0},     {"poke 6 mm", 0, 0, 0.006}, {"pull 5 mm", 0, 0, -0.005}};
+  const State states[] = {{"bend 30", 30, 0, 0},      {"bend 90", 90, 0, 0},
+                          {"bend 180", 180, 0, 0},    {"twist 90", 0, 90, 0},
+                          {"poke 6 mm", 0, 0, 0.006}, {"pull 5 mm", 0, 0, -0.005}};
   for (const Real h : {0.01, 0.04}) {
     Pad beam({54, 7, 7}, height / 7, {10e3, 0.45, 1000}, h, false);
-    for (std::size_t i = 0; i < beam.fixed.size(); ++i) beam.fixed[i] = beam.mesh.points[i].x() < 1e-9;
+    for (std::size_t i = 0; i < beam.fixed.size(); ++i)
+      beam.fixed[i] = beam.mesh.points[i].x() < 1e-9;
     beam.assemble();
     beam.find_rotations();
     const std::vector<Mat3> then = beam.rotations, none(then.size(), Mat3::Identity());
-    const auto factor = make_factor(make_factor_plan(beam.A.pattern(), beam.fixed, {}, default_backend()));
+    const auto factor =
+        make_factor(make_factor_plan(beam.A.pattern(), beam.fixed, {}, default_backend()));
     factor->factorise(beam.A);
     VecX b = VecX::Zero(beam.x.size());
     for (Index i = 0; i < beam.nodes(); ++i) b[3 * i + 2] = beam.mass[static_cast<std::size_t>(i)];
     for (const State& s : states) {
       for (Index i = 0; i < beam.nodes(); ++i) {
         Vec3 X = beam.mesh.points[static_cast<std::size_t>(i)];
-        X.z() -= s.dent * std::exp(-(X - Vec3(length / 2, height / 2, height)).squaredNorm() / 1e-4);
+        X.z() -=
+            s.dent * std::exp(-(X - Vec3(length / 2, height / 2, height)).squaredNorm() / 1e-4);
         if (s.bend != 0) {
           const Real radius = length / (s.bend * degree), r = radius - (X.z() - height / 2);
-          X = Vec3(r * std::sin(X.x() / radius), X.y(), height / 2 + radius - r * std::cos(X.x() / radius));
+          X = Vec3(r * std::sin(X.x() / radius), X.y(),
+                   height / 2 + radius - r * std::cos(X.x() / radius));
         }
         if (s.twist != 0) {
           const Vec3 axis(0, height / 2, height / 2);
-          X = axis + Eigen::AngleAxis<Real>(s.twist * degree * X.x() / length, Vec3::UnitX()) * (X - axis);
+          X = axis +
+              Eigen::AngleAxis<Real>(s.twist * degree * X.x() / length, Vec3::UnitX()) * (X - axis);
         }
         beam.x.segment<3>(3 * i) = X;
       }
@@ -181,7 +192,8 @@ void tissue_compliance(const std::string& folder) {
     const Clock clock;
     const Index solved = add_tissue_compliance(solver, rows, pad.h, W);
     const double ms = clock.cpu_ms();
-    std::printf("  %-34s %8.1f ms of the main worker (%ld rows solved for)\n", name, ms, static_cast<long>(solved));
+    std::printf("  %-34s %8.1f ms of the main worker (%ld rows solved for)\n", name, ms,
+                static_cast<long>(solved));
     csv << pad.nodes() << ",300," << rows.size() << ',' << name << ',' << ms << '\n';
     return W;
   };

@@ -95,7 +95,8 @@ TEST_F(CommandLine, DivergenceIsFourAndLosesNothing) {
   EXPECT_TRUE(csv().ends_with('\n'));
 }
 
-// Five hundred times its weight crushes the block: the summary counts the steps and shows the first.
+// Five hundred times its weight crushes the block: the summary counts the steps and shows the
+// first.
 TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
   const std::string block =
       "run " SUTURA_SOURCE_DIR "/scenes/components/DirectSolver.xml --steps 3" + output();

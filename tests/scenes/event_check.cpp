@@ -1,4 +1,5 @@
-// Which irreversible events a step has to fire, by a solver that shares neither order nor start with the one of the scene.
+// Which irreversible events a step has to fire, by a solver that shares neither order nor start
+// with the one of the scene.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -36,13 +37,14 @@ const LawOperations* without_events(const LawOperations* law) {
 bool due(const ConstraintProblem& p, std::size_t i, const LawOperations* law, Mode& mode) {
   const ConstraintBlock& b = p.blocks[i];
   mode = b.mode;
-  return law->event != nullptr &&
-         law->event(p.block_params(b), p.delta.data() + b.first_row, &mode, p.lambda.data() + b.first_row);
+  return law->event != nullptr && law->event(p.block_params(b), p.delta.data() + b.first_row, &mode,
+                                             p.lambda.data() + b.first_row);
 }
 
 /// How far the forces of a block are from the threshold of its event, in units of the block.
 Real distance_from_event(const ConstraintProblem& p, const ConstraintBlock& b) {
-  const VecX l = p.lambda.segment(b.first_row, b.law->dim), d = p.delta.segment(b.first_row, b.law->dim);
+  const VecX l = p.lambda.segment(b.first_row, b.law->dim),
+             d = p.delta.segment(b.first_row, b.law->dim);
   if (std::string_view(b.law->name) == PunctureLaw::name) {
     const auto& q = *static_cast<const PunctureLaw::Params*>(p.block_params(b));
     return std::max((q.puncture_force - q.normal.dot(l.head<3>())) / b.units.force,
@@ -53,15 +55,18 @@ Real distance_from_event(const ConstraintProblem& p, const ConstraintBlock& b) {
                   std::abs(std::abs(d[0]) - q.stick_slip) / b.units.length);
 }
 
-/// Round by round, event sets side by side, both solvers at 1e-8. `reference` is the answer that differs from `solved`.
-EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solved, const ConstraintProblem& reference) {
+/// Round by round, event sets side by side, both solvers at 1e-8. `reference` is the answer that
+/// differs from `solved`.
+EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solved,
+                   const ConstraintProblem& reference) {
   using Verdict = EventCheck::Verdict;
   EventCheck out;
   ConstraintProblem a = start, b = start;
   b.lambda.setZero();
   for (ConstraintProblem* p : {&a, &b})
     for (ConstraintBlock& block : p->blocks) block.law = without_events(block.law);
-  // The block in question that comes closest to its threshold in any round: an event on the edge may decide all that follow.
+  // The block in question that comes closest to its threshold in any round: an event on the edge
+  // may decide all that follow.
   Real nearest = INFINITY;
   std::string name;
   for (int round = 0; round < 20; ++round) {
@@ -73,7 +78,9 @@ EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solv
     }
     Real apart = 0;
     for (const ConstraintBlock& block : a.blocks)
-      apart = std::max(apart, (a.lambda - b.lambda).segment(block.first_row, block.law->dim).norm() / block.units.force);
+      apart =
+          std::max(apart, (a.lambda - b.lambda).segment(block.first_row, block.law->dim).norm() /
+                              block.units.force);
     if (apart > 1e-4) {
       out.verdict = Verdict::several;
       out.text = "forces apart by " + std::to_string(apart);
@@ -109,11 +116,15 @@ PunctureCount punctures(const ConstraintProblem& start, const ConstraintProblem&
   PunctureCount out;
   for (std::size_t i = 0; i < solved.blocks.size(); ++i) {
     const ConstraintBlock& b = solved.blocks[i];
-    if (std::string_view(b.law->name) != PunctureLaw::name || b.mode == start.blocks[i].mode) continue;
+    if (std::string_view(b.law->name) != PunctureLaw::name || b.mode == start.blocks[i].mode)
+      continue;
     const auto& q = *static_cast<const PunctureLaw::Params*>(solved.block_params(b));
-    if (!q.hold) ++out.exits;  // nothing in front of the tip is left to hold it
-    else if ((q.normal + q.axis).norm() < 1e-9) ++out.layers;  // a layer has no surface but the needle's axis
-    else ++out.entries;
+    if (!q.hold)
+      ++out.exits;  // nothing in front of the tip is left to hold it
+    else if ((q.normal + q.axis).norm() < 1e-9)
+      ++out.layers;  // a layer has no surface but the needle's axis
+    else
+      ++out.entries;
   }
   return out;
 }
@@ -123,8 +134,10 @@ EventCheck check_events(const ConstraintProblem& start, const ConstraintProblem&
   ConstraintProblem reference = start;
   reference.lambda.setZero();
   const SolveReport report = ReferenceSolver({.tolerance = fine}).solve(reference);
-  if (!report.converged) out.verdict = EventCheck::Verdict::unsolved;
-  else if (!same_events(solved, reference)) out = explain(start, solved, reference);
+  if (!report.converged)
+    out.verdict = EventCheck::Verdict::unsolved;
+  else if (!same_events(solved, reference))
+    out = explain(start, solved, reference);
   out.events = report.events;
   return out;
 }

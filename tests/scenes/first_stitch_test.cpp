@@ -1,5 +1,6 @@
-// The physics of scenes/suture/first_stitch.xml, read from its CSV as a user would. The command runs the scene; the numbers
-// it is held against are the attributes of the scene and the tables of reference/ (d01, d02).
+// The physics of scenes/suture/first_stitch.xml, read from its CSV as a user would. The command
+// runs the scene; the numbers it is held against are the attributes of the scene and the tables of
+// reference/ (d01, d02).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,11 +15,11 @@ namespace {
 
 using house::TemporaryFolder;
 
-constexpr double fp = 0.3, fc = 0.1;                                  // N, from the scene
-constexpr double friction = 0.3 * 20e3;                               // mu p, Pa
-constexpr double needle_length = 26e-3;                               // m
+constexpr double fp = 0.3, fc = 0.1;     // N, from the scene
+constexpr double friction = 0.3 * 20e3;  // mu p, Pa
+constexpr double needle_length = 26e-3;  // m
 constexpr double needle_diameter = 0.65e-3, thread_diameter = 0.175e-3;
-constexpr double pad_mass = 50e-3 * 30e-3 * 10e-3 * 1000;             // kg
+constexpr double pad_mass = 50e-3 * 30e-3 * 10e-3 * 1000;               // kg
 constexpr double suture_mass = 68.15803072e-6 + 0.15 * 21.88806507e-6;  // kg, d02 and d01
 
 struct StitchRun {
@@ -26,7 +27,8 @@ struct StitchRun {
   Table table;
   std::size_t size() const { return table.rows.size(); }
   double at(std::size_t row, const std::string& column) const { return table.number(row, column); }
-  std::array<double, 3> vector(std::size_t row, const std::string& name, const std::string& unit) const {
+  std::array<double, 3> vector(std::size_t row, const std::string& name,
+                               const std::string& unit) const {
     return {at(row, name + ".x [" + unit + "]"), at(row, name + ".y [" + unit + "]"),
             at(row, name + ".z [" + unit + "]")};
   }
@@ -38,10 +40,9 @@ struct StitchRun {
 
 StitchRun run_stitch(double dt) {
   const TemporaryFolder folder("first_stitch_" + std::to_string(std::lround(dt * 1e6)));
-  const house::Outcome outcome =
-      house::command("run " SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml --set .dt=" +
-                     std::to_string(dt) + " --set /vtu_recorder.interval=1 --output " +
-                     folder.path().string());
+  const house::Outcome outcome = house::command(
+      "run " SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml --set .dt=" + std::to_string(dt) +
+      " --set /vtu_recorder.interval=1 --output " + folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("not converged in 0 of"), std::string::npos) << outcome.text;
   StitchRun run{dt, read_csv((folder.path() / "stitch.csv").string())};
@@ -68,7 +69,8 @@ void expect_puncture(const StitchRun& r) {
   ASSERT_GT(entry, 0u) << "no puncture";
   // Rises to fp and not above; the event itself is recorded as the peak.
   EXPECT_LE(highest, fp * (1 + 1e-9));
-  // A step of 20 ms drives the needle by a fifth of the indentation: the last record before the event is that far below fp.
+  // A step of 20 ms drives the needle by a fifth of the indentation: the last record before the
+  // event is that far below fp.
   EXPECT_GT(r.at(entry - 1, "puncture.force [N]"), 0.45 * fp);
   EXPECT_NEAR(r.at(entry, "puncture.peak_force [N]"), fp, 0.01 * fp);
   // Drops to the cutting force and the friction on what slipped in.
@@ -102,7 +104,8 @@ void expect_path_holds(const StitchRun& r) {
   for (std::size_t i = 0; i < r.size(); ++i) {
     EXPECT_LT(r.at(i, "path.lateral_gap [m]"), 0.1e-3) << "at row " << i;
   }
-  // The thread slides through: at the end more than 60 mm of it (and the needle) have passed the entry.
+  // The thread slides through: at the end more than 60 mm of it (and the needle) have passed the
+  // entry.
   EXPECT_GT(r.at(r.size() - 1, "path.entry_abscissa [m]"), needle_length + 60e-3);
 }
 
@@ -133,7 +136,8 @@ void expect_momentum_balance(const StitchRun& r) {
       for (int k = 0; k < 3; ++k) rest[k] += f[k];
       applied += r.norm(i, force, "N");
     }
-    // 1 % of the applied forces is asked for; it closes to the five digits of the masses of the tables.
+    // 1 % of the applied forces is asked for; it closes to the five digits of the masses of the
+    // tables.
     EXPECT_LT(std::hypot(rest[0], rest[1], rest[2]), 1e-3 * applied) << "at row " << i;
   }
 }
@@ -154,7 +158,8 @@ TEST(FirstStitch, ShowsThePhysicsAndDoesNotDependOnTheStep) {
   expect_tissue_returns(r);
   expect_momentum_balance(r);
 
-  // Twice the step: less than 5 % in the peak force and in how far the thread has come (docs/validation.md has the table).
+  // Twice the step: less than 5 % in the peak force and in how far the thread has come
+  // (docs/validation.md has the table).
   const StitchRun coarse = run_stitch(20e-3);
   expect_puncture(coarse);
   EXPECT_NEAR(peak_force(coarse), peak_force(r), 0.05 * peak_force(r));

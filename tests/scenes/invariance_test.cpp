@@ -1,12 +1,14 @@
 // The same scene turned, shifted, and in another unit of length does the same.
 //
-// Nothing in a scene has a preferred direction or place, so what differs is rounding. How it grows is told apart from a true
-// dependence (an axis that a choice hangs on, an absolute tolerance): the difference after the first steps has to be that of
-// rounding, and over the script it must not outgrow the difference that a change of the scene by as little as rounding makes.
+// Nothing in a scene has a preferred direction or place, so what differs is rounding. How it grows
+// is told apart from a true dependence (an axis that a choice hangs on, an absolute tolerance): the
+// difference after the first steps has to be that of rounding, and over the script it must not
+// outgrow the difference that a change of the scene by as little as rounding makes.
 //
-// In a new unit of length, forces and times keep their numbers and every quantity of dimension force^a time^b length^p is
-// multiplied by unit^p. With a power of two as the unit all products and sums scale without rounding: whatever differs then is
-// a constant of the code that has a dimension. One is known and meant: the solver stops at 1e-5 of 0.1 mm (BlockUnits).
+// In a new unit of length, forces and times keep their numbers and every quantity of dimension
+// force^a time^b length^p is multiplied by unit^p. With a power of two as the unit all products and
+// sums scale without rounding: whatever differs then is a constant of the code that has a
+// dimension. One is known and meant: the solver stops at 1e-5 of 0.1 mm (BlockUnits).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,9 +25,10 @@ namespace sutura::testing {
 namespace {
 
 struct Trace {
-  std::vector<std::vector<Vec3>> points;  ///< per step: thread and tissue, seen from the original scene (m)
-  std::vector<std::vector<Mode>> modes;   ///< per step and block, of laws with events
-  std::vector<VecX> forces;               ///< per step: |f| of each block (N)
+  std::vector<std::vector<Vec3>>
+      points;  ///< per step: thread and tissue, seen from the original scene (m)
+  std::vector<std::vector<Mode>> modes;  ///< per step and block, of laws with events
+  std::vector<VecX> forces;              ///< per step: |f| of each block (N)
   std::vector<std::vector<std::uint64_t>> keys;
 };
 
@@ -61,7 +64,8 @@ Trace trace(const RandomScene& scene, const View& view) {
 
 struct Difference {
   std::vector<Real> position, force;  ///< per step, largest (m, N)
-  std::size_t events = 0;             ///< first step with other blocks or other events; number of steps if none
+  std::size_t events =
+      0;  ///< first step with other blocks or other events; number of steps if none
 };
 
 Difference difference(const Trace& a, const Trace& b) {
@@ -69,19 +73,25 @@ Difference difference(const Trace& a, const Trace& b) {
   d.events = a.points.size();
   for (std::size_t i = 0; i < a.points.size(); ++i) {
     Real most = 0;
-    for (std::size_t n = 0; n < a.points[i].size(); ++n) most = std::max(most, (a.points[i][n] - b.points[i][n]).norm());
+    for (std::size_t n = 0; n < a.points[i].size(); ++n)
+      most = std::max(most, (a.points[i][n] - b.points[i][n]).norm());
     d.position.push_back(most);
-    if (d.events == a.points.size() && (a.keys[i] != b.keys[i] || a.modes[i] != b.modes[i])) d.events = i;
-    d.force.push_back(i < d.events && a.forces[i].size() > 0 ? (a.forces[i] - b.forces[i]).cwiseAbs().maxCoeff() : 0);
+    if (d.events == a.points.size() && (a.keys[i] != b.keys[i] || a.modes[i] != b.modes[i]))
+      d.events = i;
+    d.force.push_back(i < d.events && a.forces[i].size() > 0
+                          ? (a.forces[i] - b.forces[i]).cwiseAbs().maxCoeff()
+                          : 0);
   }
   return d;
 }
 
-Real worst(const Difference& d) { return *std::max_element(d.position.begin(), d.position.end()); }
+Real worst(const Difference& d) {
+  return *std::max_element(d.position.begin(), d.position.end());
+}
 
-/// `nudged`: what rounding alone does to this scene. A turn rounds every coordinate of every node, a nudge some: 1000 times is the
-/// factor allowed between them (measured: 25 at most), where a dependence on an axis would show at once with
-/// the size of a step, 1e-5 m and more.
+/// `nudged`: what rounding alone does to this scene. A turn rounds every coordinate of every node,
+/// a nudge some: 1000 times is the factor allowed between them (measured: 25 at most), where a
+/// dependence on an axis would show at once with the size of a step, 1e-5 m and more.
 void expect_rounding(const char* what, const Difference& d, const std::vector<Difference>& nudged) {
   Real bound = 1e-12;
   std::size_t events = d.position.size();
@@ -95,8 +105,8 @@ void expect_rounding(const char* what, const Difference& d, const std::vector<Di
   // The same blocks and events in every step, or as far as rounding lets this scene go.
   EXPECT_GE(d.events, events) << what;
   ::testing::Test::RecordProperty(what, std::to_string(worst(d)));
-  std::printf("%-8s differs by at most %.1e m, %.1f times rounding, events up to step %zu of %zu\n", what, worst(d), ratio, d.events,
-              d.position.size());
+  std::printf("%-8s differs by at most %.1e m, %.1f times rounding, events up to step %zu of %zu\n",
+              what, worst(d), ratio, d.events, d.position.size());
 }
 
 Vec3 some(std::mt19937_64& random) {
@@ -104,7 +114,8 @@ Vec3 some(std::mt19937_64& random) {
   return Vec3(normal(random), normal(random), normal(random));
 }
 Mat3 some_turn(std::mt19937_64& random) {
-  return Eigen::AngleAxis<Real>(1 + some(random).norm(), some(random).normalized()).toRotationMatrix();
+  return Eigen::AngleAxis<Real>(1 + some(random).norm(), some(random).normalized())
+      .toRotationMatrix();
 }
 
 class Invariance : public ::testing::TestWithParam<int> {};
@@ -129,8 +140,9 @@ TEST_P(Invariance, RandomSceneTurnedShiftedAndInAnotherUnit) {
       expect_rounding("unit", d, nudged);
       continue;
     }
-    // An approximate W is good enough at 1e-6 m, whatever the unit of length (docs/step.md, stage 6): what is left of it after a
-    // step is carried along by some steps. In a unit of a kilometre that is a millimetre: nobody asks for that.
+    // An approximate W is good enough at 1e-6 m, whatever the unit of length (docs/step.md, stage
+    // 6): what is left of it after a step is carried along by some steps. In a unit of a kilometre
+    // that is a millimetre: nobody asks for that.
     if (unit > 1) {
       EXPECT_LE(worst(d), 2e-5);
     }
@@ -139,7 +151,8 @@ TEST_P(Invariance, RandomSceneTurnedShiftedAndInAnotherUnit) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Invariance, ::testing::Range(1, 13));
 
-/// scenes/suture/first_stitch.xml from another side: its mesh written anew, its vectors replaced in the text.
+/// scenes/suture/first_stitch.xml from another side: its mesh written anew, its vectors replaced in
+/// the text.
 class TurnedStitch {
  public:
   explicit TurnedStitch(const std::filesystem::path& folder) : folder_(folder) {}
@@ -149,7 +162,8 @@ class TurnedStitch {
     mesh_ = {};
     mesh_.points = pad.points;
     for (std::size_t e = 0; e < pad.connectivity.size(); e += 4)
-      mesh_.tets.push_back({pad.connectivity[e], pad.connectivity[e + 1], pad.connectivity[e + 2], pad.connectivity[e + 3]});
+      mesh_.tets.push_back({pad.connectivity[e], pad.connectivity[e + 1], pad.connectivity[e + 2],
+                            pad.connectivity[e + 3]});
     for (const auto& field : pad.fields)
       if (field.name == "region")
         for (const Real r : field.values) mesh_.region.push_back(static_cast<int>(r));
@@ -158,7 +172,8 @@ class TurnedStitch {
   void take_coarse_mesh() {
     mesh_ = test::kuhn_block({11, 5, 4}, Vec3(50e-3, 30e-3, 10e-3));
     for (Vec3& p : mesh_.points) p -= Vec3(25e-3, 15e-3, 10e-3);
-    for (std::size_t e = 0; e < mesh_.tets.size(); ++e) mesh_.region[e] = e < mesh_.tets.size() * 3 / 4 ? 2 : 1;
+    for (std::size_t e = 0; e < mesh_.tets.size(); ++e)
+      mesh_.region[e] = e < mesh_.tets.size() * 3 / 4 ? 2 : 1;
   }
 
   /// `solver`: XML in place of the scene's tissue solver, or none.
@@ -175,16 +190,22 @@ class TurnedStitch {
       ASSERT_NE(at, std::string::npos) << from;
       text.replace(at, from.size(), to);
     };
-    const auto vectors = [&](const std::string& name, const std::string& old, const std::string& unit, bool points) {
+    const auto vectors = [&](const std::string& name, const std::string& old,
+                             const std::string& unit, bool points) {
       std::string error, now;
-      const auto values = parse_quantities(old + (unit.empty() ? "" : " " + unit), unit == "deg" ? "rad" : unit.empty() ? "1" : "m", error);
+      const auto values = parse_quantities(old + (unit.empty() ? "" : " " + unit),
+                                           unit == "deg"  ? "rad"
+                                           : unit.empty() ? "1"
+                                                          : "m",
+                                           error);
       ASSERT_TRUE(values) << error;
       for (std::size_t i = 0; i < values->size(); i += 3) {
         const Vec3 v((*values)[i], (*values)[i + 1], (*values)[i + 2]);
         const Vec3 w = points ? view.point(v) : view.direction(v);
         for (const Real x : w) now += format_real(x) + ' ';
       }
-      replace(name + "=\"" + old + (unit.empty() ? "" : " " + unit) + '"', name + "=\"" + now + '"');
+      replace(name + "=\"" + old + (unit.empty() ? "" : " " + unit) + '"',
+              name + "=\"" + now + '"');
     };
     replace("file=\"../meshes/pad.msh\" unit=\"mm\"", "file=\"pad.msh\" unit=\"m\"");
     replace("region=\"dermis\"", "region=\"" + std::to_string(mesh_.region[dermis()]) + '"');
@@ -230,8 +251,9 @@ TEST(FirstStitch, IsTheSameFromEverySide) {
   const Difference again = difference(base, stitch.run({}, steps, exact));
   EXPECT_EQ(worst(again), 0);
   const Mat3 hair = Eigen::AngleAxis<Real>(3e-15, some(random).normalized()).toRotationMatrix();
-  const std::vector<Difference> nudged{difference(base, stitch.run({.turn = hair}, steps, exact)),
-                                       difference(base, stitch.run({.shift = 1e-17 * some(random)}, steps, exact))};
+  const std::vector<Difference> nudged{
+      difference(base, stitch.run({.turn = hair}, steps, exact)),
+      difference(base, stitch.run({.shift = 1e-17 * some(random)}, steps, exact))};
   const View turned{.turn = some_turn(random)}, shifted{.shift = 0.05 * some(random)};
   expect_rounding("turned", difference(base, stitch.run(turned, steps, exact)), nudged);
   expect_rounding("shifted", difference(base, stitch.run(shifted, steps, exact)), nudged);
@@ -240,13 +262,14 @@ TEST(FirstStitch, IsTheSameFromEverySide) {
     for (const Mode m : base.modes[i]) punctures += m != 0;
   EXPECT_GE(punctures, 1u);
 
-  // As the scene is, W comes from a factor some steps old, and the step accepts 1e-6 m of what that is wrong by: seen from
-  // another side it is wrong by another 1e-6 m.
+  // As the scene is, W comes from a factor some steps old, and the step accepts 1e-6 m of what that
+  // is wrong by: seen from another side it is wrong by another 1e-6 m.
   stitch.take_mesh_of_the_scene();
   const Trace approximate = stitch.run({}, steps);
   EXPECT_EQ(worst(difference(approximate, stitch.run({}, steps))), 0);
   const Difference seen = difference(approximate, stitch.run(turned, steps));
-  std::printf("with AsyncPreconditioner: at most %.1e m, events up to step %zu\n", worst(seen), seen.events);
+  std::printf("with AsyncPreconditioner: at most %.1e m, events up to step %zu\n", worst(seen),
+              seen.events);
   EXPECT_LE(worst(seen), 1e-5);
   EXPECT_EQ(seen.events, static_cast<std::size_t>(steps));
 }

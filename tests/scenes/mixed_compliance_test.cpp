@@ -61,16 +61,17 @@ TEST(MixedCompliance, AStitchDoesNotDependOnTheForm) {
       return r.table.number(i, column);
     };
     if (contact == 0 && at(assembled, "puncture.force [N]") > 0) {
-      // The first step with rows starts from the same bits: only the solve differs, in its rounding. The system of a step
-      // is conditioned like 1e7 at worst.
+      // The first step with rows starts from the same bits: only the solve differs, in its
+      // rounding. The system of a step is conditioned like 1e7 at worst.
       contact = i;
       EXPECT_NEAR(at(mixed, "puncture.force [N]"), at(assembled, "puncture.force [N]"),
                   1e-9 * at(assembled, "puncture.force [N]"));
     }
     if (pierced == 0 && at(assembled, "puncture.punctures") > 0) pierced = i;
     EXPECT_EQ(at(mixed, "puncture.punctures"), at(assembled, "puncture.punctures")) << i;
-    // Steps inherit and may enlarge what the one before left: a solve stops at a residual of 1e-5, which is 1e-6 N and
-    // 1 nm, and where it stops is decided by rounding. The trajectory keeps within what was asked of it.
+    // Steps inherit and may enlarge what the one before left: a solve stops at a residual of 1e-5,
+    // which is 1e-6 N and 1 nm, and where it stops is decided by rounding. The trajectory keeps
+    // within what was asked of it.
     for (const std::string& f : forces)
       EXPECT_NEAR(at(mixed, f), at(assembled, f), 1e-6) << f << " " << i;
     for (const std::string& l : lengths)

@@ -1,5 +1,6 @@
-// 200 small scenes drawn at random, and what must hold in every step of each of them: Newton's third law, forces inside the
-// sets that their laws admit, no irreversible event that a reference solver would not have fired, everything finite.
+// 200 small scenes drawn at random, and what must hold in every step of each of them: Newton's
+// third law, forces inside the sets that their laws admit, no irreversible event that a reference
+// solver would not have fired, everything finite.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,13 +19,15 @@ constexpr int shards = 8, scenes_per_shard = 25;
 Real moved(const Body& body, std::vector<Vec3>& x) {
   const std::vector<Vec3> now = body.geometry().points;
   Real most = 0;
-  for (std::size_t i = 0; i < now.size() && i < x.size(); ++i) most = std::max(most, (now[i] - x[i]).norm());
+  for (std::size_t i = 0; i < now.size() && i < x.size(); ++i)
+    most = std::max(most, (now[i] - x[i]).norm());
   x = now;
   return most;
 }
 
 struct Counts {
-  Index steps = 0, rows = 0, events = 0, entries = 0, layers = 0, exits = 0, retractions = 0, overruns = 0, inverted = 0;
+  Index steps = 0, rows = 0, events = 0, entries = 0, layers = 0, exits = 0, retractions = 0,
+        overruns = 0, inverted = 0;
   Index not_converged = 0, unsolved = 0, several = 0, undecided = 0, wrong = 0;
   Real force = 0, moment = 0, off_curve = 0, gap_excess = 0, outside = 0, off_graph = 0;
 };
@@ -40,7 +43,8 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
   Real slip_bound = 0, lateral_gap = 0;
   Index step = 0;
 
-  run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after, const SolveReport& report) {
+  run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after,
+                          const SolveReport& report) {
     const std::string where = "seed " + std::to_string(seed) + " step " + std::to_string(step);
     const ThirdLaw third = third_law(simulation, after);
     EXPECT_LE(third.force, 1e-10) << where;
@@ -50,7 +54,8 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
     // Rows act on the centreline: 1e-9 m is what the search for the closest point leaves.
     EXPECT_LE(third.off_curve, 1e-9) << where;
     counts.off_curve = std::max(counts.off_curve, third.off_curve);
-    // The gap is what is left of the last step, plus the slip and the motion by which the rows of the thread look ahead.
+    // The gap is what is left of the last step, plus the slip and the motion by which the rows of
+    // the thread look ahead.
     const Real bound = lateral_gap + slip_bound + third.ahead;
     EXPECT_LE(third.gap, bound + 1e-9) << where;
     counts.gap_excess = std::max(counts.gap_excess, third.gap - bound);
@@ -86,10 +91,12 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
   for (; step < scene.steps; ++step) {
     const StepReport& report = simulation.step();
     ASSERT_TRUE(report.finite) << "seed " << seed << " step " << step;
-    // A needle pressed deeper than an element can follow: the mesh is too coarse, and the report says so.
+    // A needle pressed deeper than an element can follow: the mesh is too coarse, and the report
+    // says so.
     for (const std::string& message : report.messages) {
       ++counts.inverted;
-      EXPECT_NE(message.find("inverted"), std::string::npos) << "seed " << seed << " step " << step << " " << message;
+      EXPECT_NE(message.find("inverted"), std::string::npos)
+          << "seed " << seed << " step " << step << " " << message;
     }
     counts.rows += report.rows;
     slip_bound = moved(thread, thread_x) + moved(tissue, tissue_x);
@@ -109,13 +116,17 @@ TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
   const house::TemporaryFolder folder("random_scenes_" + std::to_string(GetParam()));
   Counts counts;
   for (int i = 0; i < scenes_per_shard; ++i)
-    run_scene(static_cast<std::uint64_t>(GetParam() * scenes_per_shard + i + 1), folder.path(), counts);
-  std::printf("%td steps, %td rows, %td events, %td entries, %td layers, %td exits, %td overruns, %td inverted, %td retractions; "
-              "not converged %td, reference unsolved %td, several %td, undecided %td, wrong %td\n"
-              "force %.1e moment %.1e off curve %.1e gap excess %.1e outside %.1e graph %.1e\n",
-              counts.steps, counts.rows, counts.events, counts.entries, counts.layers, counts.exits, counts.overruns,
-              counts.inverted, counts.retractions, counts.not_converged, counts.unsolved, counts.several, counts.undecided, counts.wrong,
-              counts.force, counts.moment, counts.off_curve, counts.gap_excess, counts.outside, counts.off_graph);
+    run_scene(static_cast<std::uint64_t>(GetParam() * scenes_per_shard + i + 1), folder.path(),
+              counts);
+  std::printf(
+      "%td steps, %td rows, %td events, %td entries, %td layers, %td exits, %td overruns, %td "
+      "inverted, %td retractions; "
+      "not converged %td, reference unsolved %td, several %td, undecided %td, wrong %td\n"
+      "force %.1e moment %.1e off curve %.1e gap excess %.1e outside %.1e graph %.1e\n",
+      counts.steps, counts.rows, counts.events, counts.entries, counts.layers, counts.exits,
+      counts.overruns, counts.inverted, counts.retractions, counts.not_converged, counts.unsolved,
+      counts.several, counts.undecided, counts.wrong, counts.force, counts.moment, counts.off_curve,
+      counts.gap_excess, counts.outside, counts.off_graph);
   // The scenes do what they are meant to.
   EXPECT_GE(counts.events, 100);
   EXPECT_GE(counts.entries, scenes_per_shard / 2);
@@ -124,7 +135,8 @@ TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
   EXPECT_LE(10 * counts.inverted, counts.steps);
   // A step that is not converged says so and is not judged: one in a thousand may.
   EXPECT_LE(1000 * counts.not_converged, counts.steps);
-  // Where the reference fails, or where the laws have several solutions, no event can be called wrong: as rare.
+  // Where the reference fails, or where the laws have several solutions, no event can be called
+  // wrong: as rare.
   EXPECT_LE(1000 * (counts.unsolved + counts.several + counts.undecided), counts.steps);
   EXPECT_EQ(counts.wrong, 0);
 }
@@ -136,7 +148,8 @@ TEST(StepChecks, FindWhatIsWrong) {
   WatchedRun run(scene.write(folder.path()));
   ASSERT_TRUE(run);
   Index punctured = 0, dragged = 0;
-  run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after, const SolveReport& report) {
+  run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after,
+                          const SolveReport& report) {
     std::string who;
     if (punctures(before, after).entries > 0) {
       ++punctured;

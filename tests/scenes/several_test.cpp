@@ -1,4 +1,5 @@
-// Several threads in one tissue, and one needle that tries more than once: scenes/validation/{two_threads,second_try}.xml.
+// Several threads in one tissue, and one needle that tries more than once:
+// scenes/validation/{two_threads,second_try}.xml.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +13,9 @@ namespace {
 
 Table run(const std::string& scene, const std::string& csv) {
   const house::TemporaryFolder folder(scene);
-  const house::Outcome outcome = house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/" + scene +
-                                                ".xml --set /vtu_recorder.interval=1e9 --output " + folder.path().string());
+  const house::Outcome outcome =
+      house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/" + scene +
+                     ".xml --set /vtu_recorder.interval=1e9 --output " + folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("not converged in 0 of"), std::string::npos) << outcome.text;
   return read_csv((folder.path() / csv).string());
@@ -22,31 +24,41 @@ Table run(const std::string& scene, const std::string& csv) {
 TEST(TwoThreads, EachIsHeldByTheFrictionOfItsOwnMaterial) {
   const Table t = run("two_threads", "threads.csv");
   const double skin = 100e3, fat = 20e3, nu = 0.45, diameter = 0.175e-3;
-  const double slit = diameter / (1 - nu * nu);  // pi d p per Young modulus, p = E / (pi (1 - nu^2))
+  const double slit =
+      diameter / (1 - nu * nu);  // pi d p per Young modulus, p = E / (pi (1 - nu^2))
   for (const auto& [side, mu] : {std::pair<std::string, double>("left", 0.15), {"right", 0.3}}) {
-    const auto at = [&](std::size_t row, const std::string& column) { return t.number(row, side + column); };
+    const auto at = [&](std::size_t row, const std::string& column) {
+      return t.number(row, side + column);
+    };
     const std::size_t last = t.rows.size() - 1;
     EXPECT_EQ(at(last, "/puncture.punctures") + at(last, "/puncture.overruns"), 2) << side;
     double sum = 0;
     int slides = 0;
     for (std::size_t row = 340; row < 395; ++row) {  // pulled straight up, 3.4 to 3.95 s
-      const double inside = at(row, "/path.inserted_length [m]"), limit = at(row, "/friction.limit [N]");
+      const double inside = at(row, "/path.inserted_length [m]"),
+                   limit = at(row, "/friction.limit [N]");
       // All of it is thread; some of the way is skin, the rest fat.
       EXPECT_GT(limit, mu * slit * fat * inside);
       EXPECT_LT(limit, mu * slit * skin * inside);
       EXPECT_EQ(std::abs(at(row, "/friction.sliding")), at(row, "/path.samples"));
       EXPECT_LT(at(row, "/path.lateral_gap [m]"), 0.05e-3);
-      sum += std::hypot(at(row, "/puller.force.x [N]"), at(row, "/puller.force.y [N]"), at(row, "/puller.force.z [N]")) / limit;
+      sum += std::hypot(at(row, "/puller.force.x [N]"), at(row, "/puller.force.y [N]"),
+                        at(row, "/puller.force.z [N]")) /
+             limit;
       ++slides;
     }
     EXPECT_NEAR(sum / slides, 1, 0.03) << side;  // as in three_bites_test.cpp
   }
-  // Same pad, same bite: twice the friction coefficient, twice the force. The two channels need not have the same share of skin: 5 %.
-  EXPECT_NEAR(t.number(380, "right/friction.limit [N]") / t.number(380, "left/friction.limit [N]"), 2, 0.1);
+  // Same pad, same bite: twice the friction coefficient, twice the force. The two channels need not
+  // have the same share of skin: 5 %.
+  EXPECT_NEAR(t.number(380, "right/friction.limit [N]") / t.number(380, "left/friction.limit [N]"),
+              2, 0.1);
 }
 
 /// Row of the scene's 10 ms steps.
-std::size_t row(double seconds) { return std::size_t(std::lround(seconds * 100)); }
+std::size_t row(double seconds) {
+  return std::size_t(std::lround(seconds * 100));
+}
 
 TEST(SecondTry, InOutAsideInBackOnOutAndInAgain) {
   const Table t = run("second_try", "tries.csv");
@@ -55,18 +67,22 @@ TEST(SecondTry, InOutAsideInBackOnOutAndInAgain) {
 
   EXPECT_EQ(at(1, "puncture.punctures"), 1);
   EXPECT_EQ(t.text(row(2.1), "path.state"), "outside");
-  EXPECT_EQ(at(3.2, "puncture.punctures"), 1) << "nothing is pierced on the way to the second place";
+  EXPECT_EQ(at(3.2, "puncture.punctures"), 1)
+      << "nothing is pierced on the way to the second place";
   EXPECT_EQ(at(4, "puncture.punctures"), 2);
   EXPECT_NEAR(at(4, "suture.tip_position.x [m]"), 2e-3, 1e-5);
   EXPECT_EQ(at(9.5, "puncture.punctures"), 2) << "through the old hole without a puncture";
   EXPECT_EQ(at(9.5, "puncture.overruns"), 0);
 
   for (std::size_t i = 1; i < t.rows.size(); ++i) {
-    const double inside = t.number(i - 1, "path.inserted_length [m]"), cut = t.number(i, "cutting.force [N]");
-    const double holder = t.number(i, "holder.force.z [N]"), friction = t.number(i, "friction.force [N]");
+    const double inside = t.number(i - 1, "path.inserted_length [m]"),
+                 cut = t.number(i, "cutting.force [N]");
+    const double holder = t.number(i, "holder.force.z [N]"),
+                 friction = t.number(i, "friction.force [N]");
     EXPECT_LE(cut, fc * (1 + 1e-9)) << "at row " << i;
     EXPECT_LE(std::abs(friction), drag * inside * 1.001 + 1e-9) << "at row " << i;
-    // What the holder feels is what the tissue does to the needle: quasi-static, 30 mg at accelerations below 1 m/s^2 at the turns.
+    // What the holder feels is what the tissue does to the needle: quasi-static, 30 mg at
+    // accelerations below 1 m/s^2 at the turns.
     if (t.number(i, "puncture.force [N]") <= 0) {
       EXPECT_NEAR(-holder, cut + friction, 1e-4) << "at row " << i;
     }
@@ -75,13 +91,18 @@ TEST(SecondTry, InOutAsideInBackOnOutAndInAgain) {
     for (std::size_t i = row(from); i <= row(to); ++i) expect(i);
   };
   const auto cutting = [&](std::size_t i) { return t.number(i, "cutting.force [N]"); };
-  between(3.5, 3.9, [&](std::size_t i) { EXPECT_NEAR(cutting(i), fc, 1e-9) << "the channel grows, row " << i; });
+  between(3.5, 3.9, [&](std::size_t i) {
+    EXPECT_NEAR(cutting(i), fc, 1e-9) << "the channel grows, row " << i;
+  });
   between(4.6, 5.1, [&](std::size_t i) { EXPECT_EQ(cutting(i), 0) << "back, row " << i; });
-  between(5.7, 6.2, [&](std::size_t i) { EXPECT_EQ(cutting(i), 0) << "forward in the channel, row " << i; });
-  between(6.4, 6.55, [&](std::size_t i) { EXPECT_NEAR(cutting(i), fc, 1e-9) << "it grows again, row " << i; });
+  between(5.7, 6.2,
+          [&](std::size_t i) { EXPECT_EQ(cutting(i), 0) << "forward in the channel, row " << i; });
+  between(6.4, 6.55,
+          [&](std::size_t i) { EXPECT_NEAR(cutting(i), fc, 1e-9) << "it grows again, row " << i; });
   between(8.5, 9.3, [&](std::size_t i) { EXPECT_EQ(cutting(i), 0) << "in again, row " << i; });
   between(8.8, 9.3, [&](std::size_t i) {
-    EXPECT_NEAR(t.number(i, "friction.force [N]"), drag * t.number(i - 1, "path.inserted_length [m]"), 0.02 * drag * 5e-3);
+    EXPECT_NEAR(t.number(i, "friction.force [N]"),
+                drag * t.number(i - 1, "path.inserted_length [m]"), 0.02 * drag * 5e-3);
   });
 }
 

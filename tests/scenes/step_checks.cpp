@@ -15,7 +15,9 @@ namespace sutura::testing {
 namespace {
 
 // The plugins are loaded as libraries: laws are known by name.
-bool is(const ConstraintBlock& b, const char* name) { return std::string_view(b.law->name) == name; }
+bool is(const ConstraintBlock& b, const char* name) {
+  return std::string_view(b.law->name) == name;
+}
 template <class L>
 const typename L::Params* params_of(const ConstraintProblem& p, const ConstraintBlock& b) {
   if (!is(b, L::name) || b.law->params_size != sizeof(typename L::Params)) return nullptr;
@@ -26,7 +28,8 @@ const typename L::Params* params_of(const ConstraintProblem& p, const Constraint
 struct Share {
   Eigen::Matrix<Real, 3, max_block_dim> force = decltype(force)::Zero();
   Eigen::Matrix<Real, 3, max_block_dim> moment = decltype(moment)::Zero();
-  Vec3 mean = Vec3::Zero();  ///< sum of w x, the weights w from the first row; the point itself for a tet
+  Vec3 mean =
+      Vec3::Zero();  ///< sum of w x, the weights w from the first row; the point itself for a tet
 };
 
 Share share_of(const BodyRows& rows, const std::vector<Vec3>& x, const ConstraintBlock& b) {
@@ -35,7 +38,8 @@ Share share_of(const BodyRows& rows, const std::vector<Vec3>& x, const Constrain
     const auto at = std::lower_bound(rows.row.begin(), rows.row.end(), b.first_row + k);
     if (at == rows.row.end() || *at != b.first_row + k) continue;
     const auto i = static_cast<std::size_t>(at - rows.row.begin());
-    const auto begin = static_cast<std::size_t>(rows.start[i]), end = static_cast<std::size_t>(rows.start[i + 1]);
+    const auto begin = static_cast<std::size_t>(rows.start[i]),
+               end = static_cast<std::size_t>(rows.start[i + 1]);
     const auto translation = [&](std::size_t e) {
       return Vec3(Eigen::Map<const Vec3>(&rows.value[e * static_cast<std::size_t>(rows.width)]));
     };
@@ -43,8 +47,7 @@ Share share_of(const BodyRows& rows, const std::vector<Vec3>& x, const Constrain
       const Vec3 f = translation(e);
       s.force.col(k) += f;
       s.moment.col(k) += x[static_cast<std::size_t>(rows.node[e])].cross(f);
-      if (rows.width == 6)
-        s.moment.col(k) += Eigen::Map<const Vec3>(&rows.value[e * 6 + 3]);
+      if (rows.width == 6) s.moment.col(k) += Eigen::Map<const Vec3>(&rows.value[e * 6 + 3]);
     }
     if (k > 0) continue;
     for (std::size_t e = begin; e < end; ++e)
@@ -76,12 +79,14 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
     const Body* body = simulation.bodies()[i].body;
     x.push_back(body->geometry().points);
     if (const auto* c = dynamic_cast<const CurveBody*>(body)) {
-      // Rows of the thread are taken where the step was linearised; `frame` is on the curve through those poses.
+      // Rows of the thread are taken where the step was linearised; `frame` is on the curve through
+      // those poses.
       curve = c, thread = i;
       const std::vector<Vec3> before = x.back();
       const BodyGeometry geometry = body->geometry();
-      const auto abscissa = std::find_if(geometry.fields.begin(), geometry.fields.end(),
-                                         [](const auto& field) { return field.name == "abscissa [m]"; });
+      const auto abscissa =
+          std::find_if(geometry.fields.begin(), geometry.fields.end(),
+                       [](const auto& field) { return field.name == "abscissa [m]"; });
       for (std::size_t n = 0; n < before.size(); ++n) {
         x.back()[n] = c->frame(abscissa->values[n], Configuration::free).position;
         out.ahead = std::max(out.ahead, (x.back()[n] - before[n]).norm());
@@ -109,10 +114,13 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
   }
   // Block by block: the gap between the two points that it couples.
   std::map<std::uint64_t, Vec3> on_thread;  // of the samples, by id
-  const auto sample = [](const ConstraintBlock& b) { return b.key.value & ((std::uint64_t{1} << 40) - 1); };
+  const auto sample = [](const ConstraintBlock& b) {
+    return b.key.value & ((std::uint64_t{1} << 40) - 1);
+  };
   for (const ConstraintBlock& b : p.blocks) {
     const int dim = b.law->dim;
-    const Share a = share_of(p.bodies[thread], x[thread], b), c = share_of(p.bodies[tissue], x[tissue], b);
+    const Share a = share_of(p.bodies[thread], x[thread], b),
+                c = share_of(p.bodies[tissue], x[tissue], b);
     const VecX lambda = p.lambda.segment(b.first_row, dim);
     const Vec3 f = a.force.leftCols(dim) * lambda;
     Vec3 at = curve->frame(0, Configuration::free).position;  // puncture and cutting act on the tip
@@ -121,7 +129,8 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
       // The search is local: help it where the thread is curved.
       Real off = INFINITY;
       for (int k = 0; k <= 20 && off > 1e-9; ++k) {
-        const Real s = curve->closest_abscissa(at, curve->length() * k / 20, 0, curve->length(), Configuration::free);
+        const Real s = curve->closest_abscissa(at, curve->length() * k / 20, 0, curve->length(),
+                                               Configuration::free);
         off = std::min(off, (curve->frame(s, Configuration::free).position - at).norm());
       }
       out.off_curve = std::max(out.off_curve, off);
@@ -130,8 +139,9 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
       // One row shows its lever arm only; a sample too close to the tip has no other rows.
       const Vec3 along = a.force.col(0), moment = a.moment.col(0);
       const auto known = on_thread.find(sample(b));
-      at = known != on_thread.end() ? known->second
-                                    : Vec3(c.mean + along.cross(moment - c.mean.cross(along)) / along.squaredNorm());
+      at = known != on_thread.end()
+               ? known->second
+               : Vec3(c.mean + along.cross(moment - c.mean.cross(along)) / along.squaredNorm());
       if (f.norm() > 0) out.gap = std::max(out.gap, (at - c.mean).norm());
     }
     expected += (at - c.mean).cross(f);
@@ -147,7 +157,8 @@ Real outside_admissible(const ConstraintProblem& p, std::string& who) {
     if (!(by <= worst)) worst = by, who = b.law->name;
   };
   for (const ConstraintBlock& b : p.blocks) {
-    const VecX l = p.lambda.segment(b.first_row, b.law->dim), d = p.delta.segment(b.first_row, b.law->dim);
+    const VecX l = p.lambda.segment(b.first_row, b.law->dim),
+               d = p.delta.segment(b.first_row, b.law->dim);
     if (!l.allFinite()) note(b, INFINITY);
     if (const auto* q = params_of<PunctureLaw>(p, b); q && b.mode == PunctureLaw::pressing) {
       const Real n = q->normal.dot(l.head<3>());
@@ -176,7 +187,8 @@ Real off_graph(const ConstraintProblem& p, Real margin, std::string& who) {
     if (!(by <= worst)) worst = by, who = b.law->name;
   };
   for (const ConstraintBlock& b : p.blocks) {
-    const VecX l = p.lambda.segment(b.first_row, b.law->dim), d = p.delta.segment(b.first_row, b.law->dim);
+    const VecX l = p.lambda.segment(b.first_row, b.law->dim),
+               d = p.delta.segment(b.first_row, b.law->dim);
     /// 0 <= gap _|_ push >= 0 below the limit, gap <= 0 at it.
     const auto clamp = [&](Real gap, Real push, Real limit) {
       if (push > margin) note(b, gap);
@@ -192,7 +204,8 @@ Real off_graph(const ConstraintProblem& p, Real margin, std::string& who) {
     } else if (const auto* q = params_of<PunctureLaw>(p, b); q && b.mode == PunctureLaw::pressing) {
       const Real n = q->normal.dot(l.head<3>()), gap = q->normal.dot(d.head<3>());
       clamp(gap, n, q->puncture_force);
-      if (n > margin) friction(d.head<3>() - gap * q->normal, l.head<3>() - n * q->normal, q->friction * n);
+      if (n > margin)
+        friction(d.head<3>() - gap * q->normal, l.head<3>() - n * q->normal, q->friction * n);
     } else if (q) {
       const Real r = -q->axis.dot(l.head<3>()), slid = q->axis.dot(d.head<3>());
       if (q->hold) note(b, (d.head<3>() - slid * q->axis).norm());

@@ -1,5 +1,5 @@
-// What must hold in every step of every scene, judged from the definition of each law and from the geometry of the bodies, not
-// from the residual of the solver.
+// What must hold in every step of every scene, judged from the definition of each law and from the
+// geometry of the bodies, not from the residual of the solver.
 #pragma once
 
 #include <string>
@@ -10,22 +10,28 @@
 
 namespace sutura::testing {
 
-/// Newton's third law. Every block pushes two bodies with opposite forces, along lines that are apart by the gap between the
-/// two points it couples: the moments about any point add up to gap x force.
+/// Newton's third law. Every block pushes two bodies with opposite forces, along lines that are
+/// apart by the gap between the two points it couples: the moments about any point add up to gap x
+/// force.
 struct ThirdLaw {
   Real force = 0;   ///< |sum of f| / sum |f| over all nodes of all bodies
-  Real moment = 0;  ///< |sum of moments - sum of gap x f| / sum |x| |f|, gaps from the geometry of thread and tissue
-  Real off_curve = 0;  ///< largest distance of a point on which path rows act from the centreline of the thread (m)
-  Real gap = 0;        ///< largest distance between the two points of a path block that bears a force (m)
-  Real ahead = 0;      ///< largest distance of a node of the thread from where the step was linearised (m)
+  Real moment = 0;  ///< |sum of moments - sum of gap x f| / sum |x| |f|, gaps from the geometry of
+                    ///< thread and tissue
+  Real off_curve = 0;  ///< largest distance of a point on which path rows act from the centreline
+                       ///< of the thread (m)
+  Real gap = 0;  ///< largest distance between the two points of a path block that bears a force (m)
+  Real ahead =
+      0;  ///< largest distance of a node of the thread from where the step was linearised (m)
 };
-/// At the time of the solve: the tissue is where the step began, the thread where its step was linearised.
+/// At the time of the solve: the tissue is where the step began, the thread where its step was
+/// linearised.
 ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& solved);
 
-/// The largest amount by which a force lies outside the set that its law admits, in N, over the blocks; `who` names the worst.
+/// The largest amount by which a force lies outside the set that its law admits, in N, over the
+/// blocks; `who` names the worst.
 Real outside_admissible(const ConstraintProblem& solved, std::string& who);
-/// The largest distance from the graph of the laws: how far delta is from what the state of the force asks for, in m.
-/// A force counts as inside its limits if it is so by `margin` (N).
+/// The largest distance from the graph of the laws: how far delta is from what the state of the
+/// force asks for, in m. A force counts as inside its limits if it is so by `margin` (N).
 Real off_graph(const ConstraintProblem& solved, Real margin, std::string& who);
 
 /// Surfaces and layers that gave way in this solve.
@@ -40,9 +46,10 @@ struct EventCheck {
   Index events = 0;  ///< of the reference
   std::string text;
 };
-/// agree: the same blocks fired the same events. undecided: before the first event in which they differ both have the same
-/// forces, and the event is at its threshold to within `tolerance` (N or 1e-3 m/N of it). several: the laws have more than one
-/// solution there: both answers, checked to 1e-7, are at rest and differ by more than that. unsolved: the reference did not converge.
+/// agree: the same blocks fired the same events. undecided: before the first event in which they
+/// differ both have the same forces, and the event is at its threshold to within `tolerance` (N or
+/// 1e-3 m/N of it). several: the laws have more than one solution there: both answers, checked to
+/// 1e-7, are at rest and differ by more than that. unsolved: the reference did not converge.
 EventCheck check_events(const ConstraintProblem& start, const ConstraintProblem& solved);
 
 }  // namespace sutura::testing

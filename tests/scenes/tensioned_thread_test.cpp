@@ -1,4 +1,5 @@
-// scenes/validation/tensioned_thread.xml: friction of a straight path while the thread slides, and the balance of a taut one.
+// scenes/validation/tensioned_thread.xml: friction of a straight path while the thread slides, and
+// the balance of a taut one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,23 +14,29 @@ namespace {
 TEST(TensionedThread, DiffersInTensionByTheFrictionOfItsPath) {
   const house::TemporaryFolder folder("tensioned_thread");
   const house::Outcome outcome =
-      house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/tensioned_thread.xml --output " + folder.path().string());
+      house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/tensioned_thread.xml --output " +
+                     folder.path().string());
   ASSERT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("not converged in 0 of"), std::string::npos) << outcome.text;
   const Table t = read_csv((folder.path() / "tension.csv").string());
-  const double per_length = 0.3 * 20e3 * std::numbers::pi * 0.175e-3;  // mu p pi d of the scene, N/m
+  const double per_length =
+      0.3 * 20e3 * std::numbers::pi * 0.175e-3;  // mu p pi d of the scene, N/m
   int slides = 0;
   for (std::size_t i = 0; i < t.rows.size(); ++i) {
     const double time = t.number(i, "time [s]"), samples = t.number(i, "path.samples");
-    if (time < 0.85 || time > 1.35 || std::abs(t.number(i, "friction.sliding")) != samples) continue;
+    if (time < 0.85 || time > 1.35 || std::abs(t.number(i, "friction.sliding")) != samples)
+      continue;
     const double law = per_length * t.number(i, "path.inserted_length [m]");
-    EXPECT_NEAR(t.number(i, "friction.force [N]"), law, 0.02 * law) << "at " << time;  // as the stitch
+    EXPECT_NEAR(t.number(i, "friction.force [N]"), law, 0.02 * law)
+        << "at " << time;  // as the stitch
     ++slides;
   }
   EXPECT_GE(slides, 30);
-  // Taut: at the end nothing moves, so the hands and the path balance; 1 % of the friction is what the swaying pad leaves.
+  // Taut: at the end nothing moves, so the hands and the path balance; 1 % of the friction is what
+  // the swaying pad leaves.
   const std::size_t last = t.rows.size() - 1;
-  const double below = -t.number(last, "tools/holder.force.z [N]"), above = t.number(last, "tools/tail.force.z [N]");
+  const double below = -t.number(last, "tools/holder.force.z [N]"),
+               above = t.number(last, "tools/tail.force.z [N]");
   EXPECT_GT(above, 0.5);
   EXPECT_NEAR(below - above, t.number(last, "friction.force [N]"), 0.01 * per_length * 10e-3);
   EXPECT_LE(std::abs(below - above), 1.02 * per_length * 10e-3);

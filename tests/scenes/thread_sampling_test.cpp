@@ -1,5 +1,6 @@
-// The first stitch with adaptive sampling of its thread: 30 coarse beams that are split and merged under the rows of path,
-// friction and grasper must sew as the 150 uniform beams of the scene do. And a braid pulled into a tight loop.
+// The first stitch with adaptive sampling of its thread: 30 coarse beams that are split and merged
+// under the rows of path, friction and grasper must sew as the 150 uniform beams of the scene do.
+// And a braid pulled into a tight loop.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,15 +20,16 @@ struct Stitch {
 
 Stitch sew(const std::string& name, const std::string& settings) {
   const house::TemporaryFolder folder("sampling_" + name);
-  const house::Outcome outcome =
-      house::command("run " SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml --set /vtu_recorder.interval=1 " + settings +
-                     " --output " + folder.path().string());
+  const house::Outcome outcome = house::command(
+      "run " SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml --set /vtu_recorder.interval=1 " +
+      settings + " --output " + folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("not converged in 0 of"), std::string::npos) << outcome.text;
   const Table table = read_csv((folder.path() / "stitch.csv").string());
   EXPECT_EQ(table.rows.size(), 501u) << name;
   const std::size_t last = table.rows.size() - 1;
-  Stitch s{table.number(last, "path.entry_abscissa [m]"), table.number(last, "path.inserted_length [m]"),
+  Stitch s{table.number(last, "path.entry_abscissa [m]"),
+           table.number(last, "path.inserted_length [m]"),
            table.number(last, "path.lateral_gap [m]")};
   for (std::size_t i = 0; i <= last; ++i) s.sweeps += table.number(i, "sweeps");
   return s;
@@ -35,8 +37,10 @@ Stitch sew(const std::string& name, const std::string& settings) {
 
 TEST(ThreadSampling, AStitchSewnWithFewerBeams) {
   const Stitch uniform = sew("uniform", "");
-  const Stitch sampled = sew("sampled", "--set /suture.thread_beams=30 --set /suture.sampling_angle=0.2");
-  // 30 beams without sampling leave the end of the thread 29 um off, its length inside 37 um, the gap 50 %: a third of that.
+  const Stitch sampled =
+      sew("sampled", "--set /suture.thread_beams=30 --set /suture.sampling_angle=0.2");
+  // 30 beams without sampling leave the end of the thread 29 um off, its length inside 37 um, the
+  // gap 50 %: a third of that.
   EXPECT_NEAR(sampled.entry, uniform.entry, 10e-6);
   EXPECT_NEAR(sampled.inserted, uniform.inserted, 12e-6);
   EXPECT_NEAR(sampled.gap, uniform.gap, 0.17 * uniform.gap);
@@ -46,22 +50,24 @@ TEST(ThreadSampling, AStitchSewnWithFewerBeams) {
 
 TEST(ThreadSampling, ABraidPulledIntoATightLoop) {
   const house::TemporaryFolder folder("loop");
-  const house::Outcome outcome = house::command("run " SUTURA_SOURCE_DIR
-                                                "/scenes/validation/loop.xml --set /vtu_recorder.interval=1 --output " +
-                                                folder.path().string());
+  const house::Outcome outcome =
+      house::command("run " SUTURA_SOURCE_DIR
+                     "/scenes/validation/loop.xml --set /vtu_recorder.interval=1 --output " +
+                     folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   const Table table = read_csv((folder.path() / "loop.csv").string());
   const std::size_t last = table.rows.size() - 1;
-  // The plane loop of the elastica (reference a10c): l a quarter of the slack of 8 mm, curvature 2/l, tension EI/l^2. A beam of 0.2 rad
-  // shows the mean of its curvature, 0.2 % less than the top; extension adds 7 um of slack, 0.2 % of tension.
+  // The plane loop of the elastica (reference a10c): l a quarter of the slack of 8 mm, curvature
+  // 2/l, tension EI/l^2. A beam of 0.2 rad shows the mean of its curvature, 0.2 % less than the
+  // top; extension adds 7 um of slack, 0.2 % of tension.
   const double l = 2e-3, radius = 0.0875e-3;
   const double bending = 0.05 * 1.5e9 * std::numbers::pi / 4 * std::pow(radius, 4);
   EXPECT_NEAR(table.number(last, "braid.largest_curvature [1/m]") * l / 2, 1, 0.004);
   EXPECT_NEAR(table.number(last, "tools/far.force.x [N]") * l * l / bending, 1, 0.004);
   double most = 0;
   for (std::size_t i = 0; i <= last; ++i) most = std::max(most, table.number(i, "braid.beams"));
-  // Uniform beams as short as those of the loop would be 2000, and a quarter is asked. How the loop turns over on its way hangs on
-  // rounding: 110 at most in one build, 201 in another.
+  // Uniform beams as short as those of the loop would be 2000, and a quarter is asked. How the loop
+  // turns over on its way hangs on rounding: 110 at most in one build, 201 in another.
   EXPECT_LT(most, 2000 / 4);
   EXPECT_EQ(table.number(last, "braid.beams"), table.number(last - 50, "braid.beams"));
 }

@@ -1,5 +1,6 @@
-// Three bites with one thread (scenes/validation/three_bites.xml), read from the CSV of the command: a thread that slides round
-// sharp mouths at up to 70 mm/s stays in its path, and what it takes to pull it is the law of friction and nothing else.
+// Three bites with one thread (scenes/validation/three_bites.xml), read from the CSV of the
+// command: a thread that slides round sharp mouths at up to 70 mm/s stays in its path, and what it
+// takes to pull it is the law of friction and nothing else.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,32 +13,37 @@
 namespace sutura::testing {
 namespace {
 
-constexpr double friction = 0.1 * 20e3;              // mu p of the scene, Pa
-constexpr double thread_diameter = 0.175e-3;         // m
-constexpr std::size_t steps_per_second = 100;        // the scene's step
+constexpr double friction = 0.1 * 20e3;        // mu p of the scene, Pa
+constexpr double thread_diameter = 0.175e-3;   // m
+constexpr std::size_t steps_per_second = 100;  // the scene's step
 
 Table run() {
   const house::TemporaryFolder folder("three_bites");
-  const house::Outcome outcome =
-      house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/three_bites.xml"
-                     " --set /vtu_recorder.interval=1e9 --output " + folder.path().string());
+  const house::Outcome outcome = house::command("run " SUTURA_SOURCE_DIR
+                                                "/scenes/validation/three_bites.xml"
+                                                " --set /vtu_recorder.interval=1e9 --output " +
+                                                folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("not converged in 0 of"), std::string::npos) << outcome.text;
   return read_csv((folder.path() / "bites.csv").string());
 }
 
-/// The puller lifts the needle straight up and the thread behind it slides through every bite: the force on the puller is mu p times
-/// the surface inside, whatever the corners. The mean is met within 3 % (1.5 % was seen; damping of the bending at the mouths is part
-/// of it). A single step may be off by 20 %: rows hold the material that the last slip predicts, and while the slip changes
-/// by a h^2 = 0.02 mm a step they pull 0.02 rad aslant, of the ten times larger force across the thread.
+/// The puller lifts the needle straight up and the thread behind it slides through every bite: the
+/// force on the puller is mu p times the surface inside, whatever the corners. The mean is met
+/// within 3 % (1.5 % was seen; damping of the bending at the mouths is part of it). A single step
+/// may be off by 20 %: rows hold the material that the last slip predicts, and while the slip
+/// changes by a h^2 = 0.02 mm a step they pull 0.02 rad aslant, of the ten times larger force
+/// across the thread.
 void expect_pull_is_friction(const Table& t, double from, double to) {
   double sum = 0;
   int slides = 0;
-  for (auto row = std::size_t(from * steps_per_second); row < std::size_t(to * steps_per_second); ++row) {
+  for (auto row = std::size_t(from * steps_per_second); row < std::size_t(to * steps_per_second);
+       ++row) {
     if (std::abs(t.number(row, "friction.sliding")) != t.number(row - 1, "path.samples")) continue;
     const double inside = t.number(row - 1, "path.inserted_length [m]");
     const double law = friction * std::numbers::pi * thread_diameter * inside;
-    const double pull = std::hypot(t.number(row, "tools/puller.force.x [N]"), t.number(row, "tools/puller.force.y [N]"),
+    const double pull = std::hypot(t.number(row, "tools/puller.force.x [N]"),
+                                   t.number(row, "tools/puller.force.y [N]"),
                                    t.number(row, "tools/puller.force.z [N]"));
     EXPECT_NEAR(pull, law, 0.2 * law) << "at row " << row;
     sum += pull / law;
@@ -50,37 +56,47 @@ void expect_pull_is_friction(const Table& t, double from, double to) {
 TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
   const Table t = run();
   const std::size_t last = t.rows.size() - 1;
-  EXPECT_EQ(t.number(last, "puncture.punctures") + t.number(last, "puncture.overruns"), 6) << "in and out, three times";
+  EXPECT_EQ(t.number(last, "puncture.punctures") + t.number(last, "puncture.overruns"), 6)
+      << "in and out, three times";
   EXPECT_EQ(t.text(last, "path.state"), "outside");
   for (std::size_t i = 0; i <= last; ++i) {
-    // The wall gives 1e-7 m per N/m: 0.02 mm at the largest force on a millimetre of it; the rest is one step's slip on a corner.
+    // The wall gives 1e-7 m per N/m: 0.02 mm at the largest force on a millimetre of it; the rest
+    // is one step's slip on a corner.
     EXPECT_LT(t.number(i, "path.lateral_gap [m]"), 0.1e-3) << "at row " << i;
     EXPECT_LT(t.number(i, "path.lateral_force [N]"), 0.3) << "at row " << i;
   }
   expect_pull_is_friction(t, 3.4, 3.9);    // through one bite
   expect_pull_is_friction(t, 8.55, 8.95);  // through two
-  // The length in the three bites is the length of their channels: the thread cuts no corner inside.
+  // The length in the three bites is the length of their channels: the thread cuts no corner
+  // inside.
   EXPECT_GT(t.number(last, "path.entry_abscissa [m]"), 0.13);
   EXPECT_NEAR(t.number(last, "path.inserted_length [m]"), 3 * 14.5e-3, 2e-3);
 }
 
-/// A thread a hundred times softer in bending than polypropylene (a 6-0 braid) turns within sqrt(EI / T) = 0.1 mm, a tenth of the scene's
-/// beams. Sampling refines where it bends and the first bite is sewn; beams of 1 mm alone cannot, and say so.
+/// A thread a hundred times softer in bending than polypropylene (a 6-0 braid) turns within sqrt(EI
+/// / T) = 0.1 mm, a tenth of the scene's beams. Sampling refines where it bends and the first bite
+/// is sewn; beams of 1 mm alone cannot, and say so.
 TEST(SoftThread, NeedsSamplingAndSaysSo) {
   const auto bite = [](const std::string& name, const std::string& more) {
     const house::TemporaryFolder folder(name);
     const house::Outcome outcome =
-        house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/three_bites.xml --duration '2.8 s' --set "
-                       "/suture.bending_factor=0.01 --set /vtu_recorder.interval=1e9 --output " + folder.path().string() + more);
+        house::command("run " SUTURA_SOURCE_DIR
+                       "/scenes/validation/three_bites.xml --duration '2.8 s' --set "
+                       "/suture.bending_factor=0.01 --set /vtu_recorder.interval=1e9 --output " +
+                       folder.path().string() + more);
     return std::pair(outcome.text, read_csv((folder.path() / "bites.csv").string()));
   };
-  const auto [said, sampled] = bite("soft_sampled", " --set /suture.sampling_angle=0.2 --set '/suture.shortest_beam=0.2 mm'");
+  const auto [said, sampled] = bite(
+      "soft_sampled", " --set /suture.sampling_angle=0.2 --set '/suture.shortest_beam=0.2 mm'");
   EXPECT_EQ(said.find("trouble"), std::string::npos) << said;
-  for (std::size_t i = 0; i < sampled.rows.size(); ++i) EXPECT_LT(sampled.number(i, "path.lateral_gap [m]"), 0.1e-3) << i;
+  for (std::size_t i = 0; i < sampled.rows.size(); ++i)
+    EXPECT_LT(sampled.number(i, "path.lateral_gap [m]"), 0.1e-3) << i;
   const auto [complaint, uniform] = bite("soft_uniform", "");
-  EXPECT_NE(complaint.find("the beams are too long for so soft a thread"), std::string::npos) << complaint;
+  EXPECT_NE(complaint.find("the beams are too long for so soft a thread"), std::string::npos)
+      << complaint;
   for (std::size_t i = 0; i < uniform.rows.size(); ++i)
-    EXPECT_LT(std::abs(uniform.number(i, "suture.end_position.x [m]")), 1) << "wrong, but not lost: " << i;
+    EXPECT_LT(std::abs(uniform.number(i, "suture.end_position.x [m]")), 1)
+        << "wrong, but not lost: " << i;
 }
 
 }  // namespace

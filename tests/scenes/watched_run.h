@@ -1,4 +1,5 @@
-// Runs a scene in-process with a solver that shows every problem as it was handed over and as it came out.
+// Runs a scene in-process with a solver that shows every problem as it was handed over and as it
+// came out.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,10 +13,12 @@
 
 namespace sutura::testing {
 
-/// The default solver, and a look at what it does. Called twice in a step whose first W was too far off.
+/// The default solver, and a look at what it does. Called twice in a step whose first W was too far
+/// off.
 class WatchedSolver : public Component, public ConstraintSolver {
  public:
-  using Look = std::function<void(const ConstraintProblem& before, const ConstraintProblem& after, const SolveReport&)>;
+  using Look = std::function<void(const ConstraintProblem& before, const ConstraintProblem& after,
+                                  const SolveReport&)>;
   static void describe(Describe<WatchedSolver>& d) {
     d.summary("The default solver, watched by a test.");
     d.attribute("tolerance", &WatchedSolver::tolerance, "1", above(0), "As that of GaussSeidel.");
@@ -51,7 +54,9 @@ class WatchedRun {
   }
   explicit operator bool() const { return simulation_ != nullptr; }
   Simulation& simulation() { return *simulation_; }
-  WatchedSolver& solver() { return dynamic_cast<WatchedSolver&>(*simulation_->find("/watched_solver")); }
+  WatchedSolver& solver() {
+    return dynamic_cast<WatchedSolver&>(*simulation_->find("/watched_solver"));
+  }
 
   /// The only body with this interface.
   template <class T>

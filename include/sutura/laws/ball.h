@@ -33,8 +33,10 @@ Real solve_in_ball(const BlockMatrix<N>& W, const BlockVector<N>& d, Real limit,
     return std::abs(d[0]) / limit - w;
   } else {
     Eigen::SelfAdjointEigenSolver<BlockMatrix<N>> eigen;
-    if constexpr (N == 2) eigen.computeDirect(W);
-    else eigen.compute(W);
+    if constexpr (N == 2)
+      eigen.computeDirect(W);
+    else
+      eigen.compute(W);
     const BlockVector<N>& e = eigen.eigenvalues();
     const BlockVector<N> g = -(eigen.eigenvectors().transpose() * d);
     // Directions without compliance and without violation carry no force.

@@ -4,10 +4,10 @@
 //   delta + c lambda antiparallel to lambda          when  |lambda|  = cap
 //
 // delta (m) relative displacement that should vanish, lambda (N) force, c (m/N) compliance of the
-// hold (0: rigid), cap (N) what it can carry (infinite by default): beyond, it slips with that force,
-// as a tissue that tears or a jaw that lets go. The cap is on the Euclidean norm, so that the law
-// does not depend on the choice of axes; with 6 rows the source scales the rotational ones by a
-// length, so that all rows are in metres and newtons. Source: algorithms.md B.6.
+// hold (0: rigid), cap (N) what it can carry (infinite by default): beyond, it slips with that
+// force, as a tissue that tears or a jaw that lets go. The cap is on the Euclidean norm, so that
+// the law does not depend on the choice of axes; with 6 rows the source scales the rotational ones
+// by a length, so that all rows are in metres and newtons. Source: algorithms.md B.6.
 #pragma once
 
 #include <limits>
@@ -32,8 +32,8 @@ struct Bilateral {
   static constexpr Mode holding = 0;
   static constexpr Mode capped = 1;
 
-  static void project(const BlockMatrix<N>& W, const BlockVector<N>& d, const Params& p,
-                      Mode& mode, BlockVector<N>& lambda) {
+  static void project(const BlockMatrix<N>& W, const BlockVector<N>& d, const Params& p, Mode& mode,
+                      BlockVector<N>& lambda) {
     BlockMatrix<N> total = W;
     total.diagonal().array() += p.compliance;
     mode = holding;

@@ -4,8 +4,8 @@
 //
 // delta (m) distance, lambda (N) force that pushes apart, c (m/N) compliance of the contact itself:
 // where many contacts repeat each other W is singular, and c is the honest cure (a rope's cross
-// section gives about 1 / (E d)). With delta = rest length (1 + strain) - arc length the same law is
-// the limit of elongation.
+// section gives about 1 / (E d)). With delta = rest length (1 + strain) - arc length the same law
+// is the limit of elongation.
 #pragma once
 
 #include "sutura/law.h"

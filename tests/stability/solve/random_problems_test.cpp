@@ -1,5 +1,6 @@
-// Where solvers of thresholds fail: random systems of tips, paths, contacts and holds, all coupled. What the solver ends in
-// is compared with the reference solver, which shares the laws but neither sweeps nor order.
+// Where solvers of thresholds fail: random systems of tips, paths, contacts and holds, all coupled.
+// What the solver ends in is compared with the reference solver, which shares the laws but neither
+// sweeps nor order.
 #include <gtest/gtest.h>
 
 #include "../plugins/suturing/cutting_law.h"
@@ -25,7 +26,9 @@ Scene random_scene(std::uint64_t seed, const Mat3& turn = Mat3::Identity(), Real
   std::mt19937_64 random(seed);
   std::normal_distribution<Real> normal;
   std::uniform_real_distribution<Real> uniform(0, 1);
-  const auto unit_vector = [&] { return Vec3(normal(random), normal(random), normal(random)).normalized(); };
+  const auto unit_vector = [&] {
+    return Vec3(normal(random), normal(random), normal(random)).normalized();
+  };
   Scene scene;
   ConstraintProblem& p = scene.problem;
   const BlockUnits units{.force = 0.1, .length = 1e-4 * unit};
@@ -47,9 +50,12 @@ Scene random_scene(std::uint64_t seed, const Mat3& turn = Mat3::Identity(), Real
       world_axes.push_back(true);
     } else if (kind < 0.6) {
       const Real level = 0.05 * uniform(random);
-      append<PathFrictionLaw>(p, {.static_level = level * 1.3, .kinetic = level,
-                                  .viscous = uniform(random) < 0.5 ? 0 : 2 * uniform(random) / unit,
-                                  .stick_slip = 1e-6 * unit}, PathFrictionLaw::stick, units);
+      append<PathFrictionLaw>(p,
+                              {.static_level = level * 1.3,
+                               .kinetic = level,
+                               .viscous = uniform(random) < 0.5 ? 0 : 2 * uniform(random) / unit,
+                               .stick_slip = 1e-6 * unit},
+                              PathFrictionLaw::stick, units);
     } else if (kind < 0.75) {
       append<Bilateral<3>>(p, {}, 0, units);
       world_axes.push_back(true);
@@ -120,7 +126,8 @@ TEST(RandomProblems, NoWrongIrreversibleEvent) {
         ADD_FAILURE() << "seed " << seed << " block " << i << " " << a.blocks[i].law->name;
       }
     }
-    // 1e-5 * 1e-4 m over the smallest own compliance 2e-3 m/N, times the coupling of up to 100 rows.
+    // 1e-5 * 1e-4 m over the smallest own compliance 2e-3 m/N, times the coupling of up to 100
+    // rows.
     EXPECT_LT((a.lambda - b.lambda).lpNorm<Eigen::Infinity>(), 5e-5) << seed;
   }
   EXPECT_EQ(wrong, 0);
@@ -135,10 +142,12 @@ TEST(RandomProblems, RotationAndUnitOfLengthChangeNothing) {
     const Mat3 turn = Quat::UnitRandom().toRotationMatrix();
     ConstraintProblem a = random_scene(seed).problem, b = random_scene(seed, turn).problem,
                       c = random_scene(seed, Mat3::Identity(), 1000).problem;
-    for (ConstraintProblem* p : {&a, &b, &c}) ASSERT_TRUE(BlockGaussSeidel({.tolerance = 1e-6}).solve(*p).converged) << seed;
+    for (ConstraintProblem* p : {&a, &b, &c})
+      ASSERT_TRUE(BlockGaussSeidel({.tolerance = 1e-6}).solve(*p).converged) << seed;
     for (std::size_t i = 0; i < a.blocks.size(); ++i) {
       const ConstraintBlock& block = a.blocks[i];
-      const bool world = block.law == &law_operations<PunctureLaw> || block.law == &law_operations<Bilateral<3>>;
+      const bool world =
+          block.law == &law_operations<PunctureLaw> || block.law == &law_operations<Bilateral<3>>;
       VecX l = a.lambda.segment(block.first_row, block.law->dim);
       EXPECT_LT((c.lambda.segment(block.first_row, block.law->dim) - l).norm(), 1e-5) << seed;
       if (world) l.head<3>() = Vec3(turn * l.head<3>());
@@ -154,7 +163,8 @@ TEST(RandomProblems, FrictionDoesNotDependOnTheNumberOfSweeps) {
     std::vector<VecX> lambda;
     for (const Index sweeps : {20, 100, 2000}) {
       ConstraintProblem p = random_scene(seed).problem;
-      ASSERT_TRUE(BlockGaussSeidel({.tolerance = 1e-6, .sweeps = sweeps}).solve(p).converged) << seed << " " << sweeps;
+      ASSERT_TRUE(BlockGaussSeidel({.tolerance = 1e-6, .sweeps = sweeps}).solve(p).converged)
+          << seed << " " << sweeps;
       lambda.push_back(p.lambda);
     }
     EXPECT_LT((lambda[0] - lambda[2]).norm(), 1e-5);

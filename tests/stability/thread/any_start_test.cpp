@@ -100,8 +100,8 @@ TEST(AnyStart, CardComesToRestWhereItShould) {
       rod.correct(dt, none);
     }
     const Vec3 tip = rod.poses(Configuration::current).back().position;
-    // Asked: 0.03 mm of the exact (94.596, -163.283) mm. At 5 ms some swinging is left, of the first mode,
-    // which implicit Euler damps by half w^2 h^2 per step.
+    // Asked: 0.03 mm of the exact (94.596, -163.283) mm. At 5 ms some swinging is left, of the
+    // first mode, which implicit Euler damps by half w^2 h^2 per step.
     EXPECT_LT(std::hypot(tip.x() - 94.596e-3, tip.z() + 163.283e-3), 1e-5) << "dt " << dt;
   }
 }
@@ -115,8 +115,8 @@ TEST(AnyStart, HoldThatJumps) {
   hold.active = true;
   hold.target = rod.poses(Configuration::current)[10];
   hold.target.position += Vec3(3e-3, -4e-3, 0);
-  hold.target.rotation = Quat(Eigen::AngleAxis<Real>(170 * std::numbers::pi / 180,
-                                                     Vec3(1, 2, -1).normalized()));
+  hold.target.rotation =
+      Quat(Eigen::AngleAxis<Real>(170 * std::numbers::pi / 180, Vec3(1, 2, -1).normalized()));
   const VecX none = VecX::Zero(rod.dofs());
   for (int i = 0; i < 300; ++i) {
     ASSERT_TRUE(rod.free_motion(0.01, gravity)) << i;

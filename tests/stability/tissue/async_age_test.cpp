@@ -20,7 +20,8 @@ struct State {
 
 /// Factor of the rest state, system of the deformed state.
 struct Aged {
-  Aged(Index nx, Index n, Real cell, Real step) : grid(testing::make_grid(nx, n, n, cell)), h(step) {
+  Aged(Index nx, Index n, Real cell, Real step)
+      : grid(testing::make_grid(nx, n, n, cell)), h(step) {
     testing::assemble(grid, grid.rest, {}, h, A0, then);
     factor = make_factor(make_factor_plan(A0.pattern(), grid.fixed, {}, default_backend()));
     EXPECT_TRUE(factor->factorise(A0));

@@ -1,5 +1,5 @@
-// The worker as it should not be: slow, silent, failing. A block clamped at one side swings under its
-// weight; whatever the worker does, the motion is the same.
+// The worker as it should not be: slow, silent, failing. A block clamped at one side swings under
+// its weight; whatever the worker does, the motion is the same.
 #include <gtest/gtest.h>
 
 #include <atomic>

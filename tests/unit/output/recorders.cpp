@@ -148,13 +148,16 @@ TEST_F(Recorders, ProbeErrorsNameTheNearest) {
 }
 
 TEST_F(Recorders, TableHoldsARowPerConstraint) {
-  const std::string scene = "<Curve name='rod' origin='1 2 3 mm'/><Puller name='a'/><Puller name='b'/>";
+  const std::string scene =
+      "<Curve name='rod' origin='1 2 3 mm'/><Puller name='a'/><Puller name='b'/>";
   ASSERT_EQ(run(scene + "<ConstraintTable every='2'/>", 3), "");
   EXPECT_EQ(contents(folder_ / "constraints.csv"),
-            "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y [N],force.z [N],violation [m]\n"
+            "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y "
+            "[N],force.z [N],violation [m]\n"
             "2,0.02,/a,0,pull,3,0.001,0.002,0.003,0,0,0.5,0\n"
             "2,0.02,/b,0,pull,3,0.001,0.002,0.003,0,0,0.5,0\n");
-  const std::string twice = run(scene + "<ConstraintTable name='x'/><ConstraintTable name='y'/>", 0);
+  const std::string twice =
+      run(scene + "<ConstraintTable name='x'/><ConstraintTable name='y'/>", 0);
   EXPECT_NE(twice.find("overwrite"), std::string::npos) << twice;
 }
 

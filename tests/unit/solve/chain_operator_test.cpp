@@ -48,8 +48,9 @@ std::vector<Shape> shapes(std::mt19937_64& random) {
   return all;
 }
 
-// Sums of at most a hundred terms on random chains whose condition is below 1e4, and the transfers of the test come from
-// inverses of 6 x 6 blocks: 1e-12 of the largest entry. (Not of each entry: W decays along the chain.)
+// Sums of at most a hundred terms on random chains whose condition is below 1e4, and the transfers
+// of the test come from inverses of 6 x 6 blocks: 1e-12 of the largest entry. (Not of each entry: W
+// decays along the chain.)
 constexpr Real tolerance = 1e-12;
 
 VecX random_vector(Index n, std::mt19937_64& random) {
@@ -114,7 +115,8 @@ TEST_F(ChainOperatorTest, FollowsChangesOfForceInAnyOrder) {
       op.add_force(i, change.data());
       lambda.segment<3>(row) += change;
     }
-    // The forces of the visits were added to those of the product before; a new product starts from lambda alone.
+    // The forces of the visits were added to those of the product before; a new product starts from
+    // lambda alone.
     delta.setZero();
     op.multiply(lambda, delta);
     EXPECT_LT((delta - c.W * lambda).norm(), tolerance * c.W.norm() * lambda.norm());
@@ -134,7 +136,8 @@ TEST_F(ChainOperatorTest, AssemblesW) {
 
 TEST_F(ChainOperatorTest, FormsTheProductsOfCombinations) {
   for_all([](ChainProblem& c, ChainOperator& op, std::mt19937_64& random) {
-    // Two combinations for most blocks, none for every fifth; on its places a matrix with room to spare.
+    // Two combinations for most blocks, none for every fifth; on its places a matrix with room to
+    // spare.
     std::vector<RowCombination> all;
     std::vector<Vec3> move, test;
     move.reserve(2 * c.problem.blocks.size());

@@ -41,7 +41,8 @@ struct Fixture : ::testing::Test {
 
 TEST_F(Fixture, RowsAndComplianceEqualTheDenseProducts) {
   SmallWorld world({&a, &b}, 0.01);
-  // Three blocks; the second couples body a twice, once at a node it already has; the order of couplings is mixed.
+  // Three blocks; the second couples body a twice, once at a node it already has; the order of
+  // couplings is mixed.
   const MatX D1 = random_matrix(1, 3, random), D2 = random_matrix(3, 3, random),
              D3 = random_matrix(3, 3, random), D4 = random_matrix(2, 3, random),
              D5 = random_matrix(3, 3, random), D6 = random_matrix(2, 3, random);
@@ -85,7 +86,10 @@ TEST_F(Fixture, RowsAndComplianceEqualTheDenseProducts) {
 
   // The first coupling says where and on whom the force is drawn.
   world.problem.lambda = lambda;
-  EXPECT_LT((world.problem.block_force(world.problem.blocks[1]) - D2.transpose() * lambda.segment<3>(1)).norm(), 1e-14);
+  EXPECT_LT(
+      (world.problem.block_force(world.problem.blocks[1]) - D2.transpose() * lambda.segment<3>(1))
+          .norm(),
+      1e-14);
 }
 
 TEST_F(Fixture, ManyRowsGoThroughSeveralChunks) {
@@ -98,7 +102,8 @@ TEST_F(Fixture, ManyRowsGoThroughSeveralChunks) {
   }
   world.step([&](ConstraintBuilder& builder) {
     for (int i = 0; i < 20; ++i) {
-      const BlockId id = builder.add<Bilateral<3>>({std::uint64_t(i)}, {.compliance = 1}, Vec3::Zero());
+      const BlockId id =
+          builder.add<Bilateral<3>>({std::uint64_t(i)}, {.compliance = 1}, Vec3::Zero());
       world.couple(id, a, i % 6, directions[static_cast<std::size_t>(i)]);
     }
   });
@@ -113,7 +118,8 @@ TEST_F(Fixture, WarmStartFollowsTheKeyNotThePlace) {
   const auto build = [&](std::vector<std::uint64_t> keys) {
     return [&world, this, keys](ConstraintBuilder& builder) {
       for (const std::uint64_t key : keys) {
-        const BlockId id = builder.add<Bilateral<1>>({key}, {.compliance = 1}, BlockVector<1>(1e-3 * Real(key)));
+        const BlockId id =
+            builder.add<Bilateral<1>>({key}, {.compliance = 1}, BlockVector<1>(1e-3 * Real(key)));
         world.couple(id, a, static_cast<Index>(key % 6), Vec3(1, 0, 0).transpose());
       }
     };
@@ -156,7 +162,8 @@ TEST_F(Fixture, NothingIsAllocatedOnceWarm) {
 }
 
 TEST_F(Fixture, ForcesOfACouplingAreOppositeAndMomentumIsKept) {
-  // Two bodies held together at a point: what one gets the other gives (1e-10 of the force), whatever the solver leaves.
+  // Two bodies held together at a point: what one gets the other gives (1e-10 of the force),
+  // whatever the solver leaves.
   PointMasses one(3, 0.01), two(2, 0.03);
   for (Index i = 0; i < one.v.size(); ++i) one.v[i] = 0.1 * std::sin(Real(i) + 1);
   SmallWorld world({&one, &two}, 0.01);
@@ -164,7 +171,8 @@ TEST_F(Fixture, ForcesOfACouplingAreOppositeAndMomentumIsKept) {
   const Vec3 before = one.momentum() + two.momentum();
   for (int step = 0; step < 20; ++step)
     world.step([&](ConstraintBuilder& builder) {
-      const Vec3 gap = one.position(node(1), Configuration::free) - two.position(node(0), Configuration::free);
+      const Vec3 gap =
+          one.position(node(1), Configuration::free) - two.position(node(0), Configuration::free);
       const BlockId id = builder.add<Bilateral<3>>({1}, {}, gap);
       world.couple(id, one, 1, Mat3::Identity());
       world.couple(id, two, 0, -Mat3::Identity());

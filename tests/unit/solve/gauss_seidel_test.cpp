@@ -1,8 +1,10 @@
-// The solver on problems of the kind a stitch makes, and what it promises: order and sweeps do not matter, events wait.
+// The solver on problems of the kind a stitch makes, and what it promises: order and sweeps do not
+// matter, events wait.
+#include "solve/gauss_seidel.h"
+
 #include <gtest/gtest.h>
 
 #include "../plugins/suturing/puncture_law.h"
-#include "solve/gauss_seidel.h"
 #include "solve_problems.h"
 #include "sutura/laws/unilateral.h"
 
@@ -27,7 +29,8 @@ Real worst_stitch_error(const ConstraintProblem& p) {
     const auto& f = *static_cast<const PathFrictionLaw::Params*>(p.block_params(b));
     const Real R = b.mode == PathFrictionLaw::stick ? f.static_level : f.kinetic;
     const Real lambda = p.lambda[b.first_row], slip = delta[b.first_row];
-    // Either at rest with at most R, or at -sign(slip) (R + c |slip|): distance of the graph, as a length.
+    // Either at rest with at most R, or at -sign(slip) (R + c |slip|): distance of the graph, as a
+    // length.
     const Real at_rest = std::abs(lambda) <= R ? std::abs(slip) : 1e9;
     const Real sliding = std::abs(lambda + std::copysign(R + f.viscous * std::abs(slip), slip)) *
                          p.W(b.first_row, b.first_row);
@@ -37,7 +40,8 @@ Real worst_stitch_error(const ConstraintProblem& p) {
 }
 
 TEST(GaussSeidel, SolvesStitchesInAHandfulOfSweeps) {
-  // Sticking, part sliding, all sliding; dry and viscous. Plain sweeps have a violation above 20 mm after 300.
+  // Sticking, part sliding, all sliding; dry and viscous. Plain sweeps have a violation above 20 mm
+  // after 300.
   for (const int samples : {20, 50, 100, 150})
     for (const Real pull : {0.05, 0.3, 0.6, 1.2, 3.0})
       for (const Real viscous : {0.0, 0.5}) {
@@ -62,16 +66,21 @@ TEST(GaussSeidel, SolvesStitchesInAHandfulOfSweeps) {
 }
 
 TEST(GaussSeidel, SolvesAThreadThatSlidesBothWaysOutOfItsPath) {
-  // Pulled at both ends, the path slips forward on one side and backward on the other, and one or two samples between
-  // hold what is left to balance the nearly free thread. Taking new tangents everywhere at once cycles here: as long as no
-  // sample holds, every slip has the wrong sign. Met in the first stitch, when the tail was let go.
+  // Pulled at both ends, the path slips forward on one side and backward on the other, and one or
+  // two samples between hold what is left to balance the nearly free thread. Taking new tangents
+  // everywhere at once cycles here: as long as no sample holds, every slip has the wrong sign. Met
+  // in the first stitch, when the tail was let go.
   for (const int samples : {16, 50, 100})
     for (const Real pull : {0.3, 1.0, 3.0})
       for (const Real share : {0.9, 0.99, 1.0}) {
-        ConstraintProblem p = stitch({.samples = samples, .pull = pull, .pull_back = share * pull,
-                                      .static_level = 0.0033, .kinetic = 0.0033});
+        ConstraintProblem p = stitch({.samples = samples,
+                                      .pull = pull,
+                                      .pull_back = share * pull,
+                                      .static_level = 0.0033,
+                                      .kinetic = 0.0033});
         const SolveReport report = solve(p, {.tolerance = 1e-6});
-        EXPECT_TRUE(report.converged) << samples << " " << pull << " " << share << " " << report.residual;
+        EXPECT_TRUE(report.converged)
+            << samples << " " << pull << " " << share << " " << report.residual;
         EXPECT_LE(report.sweeps, 20);
         EXPECT_LE(worst_stitch_error(p), 1.01e-10);
       }
@@ -85,8 +94,10 @@ TEST(GaussSeidel, SolutionDoesNotDependOnOrderOrBudget) {
       ConstraintProblem p = stitch({.samples = 50, .pull = 0.3});
       const SolveReport report = solve(p, {.tolerance = 1e-7, .sweeps = sweeps, .seed = seed});
       EXPECT_TRUE(report.converged);
-      for (std::size_t i = 0; i < p.blocks.size(); ++i) EXPECT_EQ(p.blocks[i].mode, first.blocks[i].mode);
-      // 1e-11 m against an effective compliance of about 1e-3 m/N: 1e-8 N, with room for the sum over samples.
+      for (std::size_t i = 0; i < p.blocks.size(); ++i)
+        EXPECT_EQ(p.blocks[i].mode, first.blocks[i].mode);
+      // 1e-11 m against an effective compliance of about 1e-3 m/N: 1e-8 N, with room for the sum
+      // over samples.
       EXPECT_LT((p.lambda - first.lambda).lpNorm<Eigen::Infinity>(), 1e-7);
     }
 }
@@ -117,7 +128,8 @@ TEST(GaussSeidel, EveryBlockKnowsItsViolation) {
 }
 
 TEST(GaussSeidel, SameProblemAndSeedGiveTheSameBits) {
-  ConstraintProblem a = stitch({.samples = 80, .pull = 0.6}), b = stitch({.samples = 80, .pull = 0.6});
+  ConstraintProblem a = stitch({.samples = 80, .pull = 0.6}),
+                    b = stitch({.samples = 80, .pull = 0.6});
   BlockGaussSeidel used;  // has solved something else before
   ConstraintProblem other = stitch({.samples = 30});
   used.solve(other);
@@ -152,9 +164,9 @@ TEST(GaussSeidel, ConvergesWithoutTheDirectStepWhereSweepsCan) {
 }
 
 TEST(GaussSeidel, PunctureWaitsForTheConvergedForce) {
-  // A tip held by a spring row whose share of the load is found only after many sweeps: two rows along z, strongly
-  // coupled. Alone the surface would see 2 N; the hold takes half of it. Threshold 1.5 N: no puncture.
-  // At 0.9 N: puncture.
+  // A tip held by a spring row whose share of the load is found only after many sweeps: two rows
+  // along z, strongly coupled. Alone the surface would see 2 N; the hold takes half of it.
+  // Threshold 1.5 N: no puncture. At 0.9 N: puncture.
   const Real c = 1e-4;
   for (const Real fp : {1.5, 0.9}) {
     ConstraintProblem p;

@@ -1,5 +1,5 @@
-// Helpers for one-block tests: a law's answer must lie on its graph, and on the branch that an independent enumeration of
-// the cases finds.
+// Helpers for one-block tests: a law's answer must lie on its graph, and on the branch that an
+// independent enumeration of the cases finds.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -44,9 +44,9 @@ BlockVector<L::dim> project_twice(const BlockMatrix<L::dim>& W, const BlockVecto
   return a;
 }
 
-/// A step of `size` in the free coordinates, mapped back by the law: the point (lambda + move y, delta) with
-/// test^T delta + gap + compliance y = 0 must stay on the graph up to second order. Returns the distance, as the change
-/// that the law asks for, divided by |move y|.
+/// A step of `size` in the free coordinates, mapped back by the law: the point (lambda + move y,
+/// delta) with test^T delta + gap + compliance y = 0 must stay on the graph up to second order.
+/// Returns the distance, as the change that the law asks for, divided by |move y|.
 template <Law L>
 Real tangent_error(const BlockMatrix<L::dim>& W, const BlockVector<L::dim>& d,
                    const typename L::Params& p, Mode mode, const BlockVector<L::dim>& lambda,

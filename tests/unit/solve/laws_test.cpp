@@ -1,6 +1,5 @@
 // The generic laws, one block at a time.
 #include "law_check.h"
-
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
 
@@ -57,8 +56,8 @@ void bilateral_on_its_graph() {
       ASSERT_LT((lambda - held).norm(), rounding * held.norm());
       continue;
     }
-    // Case 2, at the cap: |lambda| = cap, delta + c lambda = -s lambda with s >= 0. The problem is strictly convex, so a
-    // point that fulfils this is the solution.
+    // Case 2, at the cap: |lambda| = cap, delta + c lambda = -s lambda with s >= 0. The problem is
+    // strictly convex, so a point that fulfils this is the solution.
     ++capped;
     EXPECT_EQ(mode, Bilateral<N>::capped);
     ASSERT_NEAR(lambda.norm(), p.cap, 1e-12 * p.cap);
@@ -69,10 +68,18 @@ void bilateral_on_its_graph() {
   }
   EXPECT_GT(capped, draws / 10);
 }
-TEST(BilateralLaw, OneRow) { bilateral_on_its_graph<1>(); }
-TEST(BilateralLaw, TwoRows) { bilateral_on_its_graph<2>(); }
-TEST(BilateralLaw, ThreeRows) { bilateral_on_its_graph<3>(); }
-TEST(BilateralLaw, SixRows) { bilateral_on_its_graph<6>(); }
+TEST(BilateralLaw, OneRow) {
+  bilateral_on_its_graph<1>();
+}
+TEST(BilateralLaw, TwoRows) {
+  bilateral_on_its_graph<2>();
+}
+TEST(BilateralLaw, ThreeRows) {
+  bilateral_on_its_graph<3>();
+}
+TEST(BilateralLaw, SixRows) {
+  bilateral_on_its_graph<6>();
+}
 
 TEST(BilateralLaw, RepeatedRowsGiveTheSmallestForce) {
   // Two rows that say the same: W singular. Least norm of all lambda with lambda_1 + lambda_2 = -1.
@@ -96,14 +103,15 @@ TEST(BilateralLaw, ContinuousAtTheCap) {
     const Real eps = 1e-7;
     Bilateral<3>::project(W, d, {.cap = held.norm() * (1 + eps)}, mode, below);
     Bilateral<3>::project(W, d, {.cap = held.norm() * (1 - eps)}, mode, above);
-    // The cap moves by 2 eps; the force turns at most with the condition of W, bounded in these draws by about 1e5.
+    // The cap moves by 2 eps; the force turns at most with the condition of W, bounded in these
+    // draws by about 1e5.
     EXPECT_LT((below - above).norm(), 1e5 * eps * held.norm());
     EXPECT_LT(std::abs(below.norm() - above.norm()), 3 * eps * held.norm());
   }
 }
 
-/// All solutions of one frictional contact with normal force at most cap, by cases. Slip directions are found by scanning
-/// the angle and bisection, unlike the law, which scans a compliance.
+/// All solutions of one frictional contact with normal force at most cap, by cases. Slip directions
+/// are found by scanning the angle and bisection, unlike the law, which scans a compliance.
 std::vector<Vec3> coulomb_solutions(const Mat3& W, const Vec3& d, Real mu) {
   std::vector<Vec3> found;
   if (d[0] >= 0) found.push_back(Vec3::Zero());
@@ -132,7 +140,8 @@ std::vector<Vec3> coulomb_solutions(const Mat3& W, const Vec3& d, Real mu) {
       const Vec3 delta = W * lambda + d;
       const bool opposes = delta[1] * std::cos(high) + delta[2] * std::sin(high) >= 0;
       // A pole of lambda_n(angle) changes sign too, but is no solution.
-      if (lambda[0] > 0 && opposes && std::abs(residual) < 1e-6 * (d.norm() + 1)) found.push_back(lambda);
+      if (lambda[0] > 0 && opposes && std::abs(residual) < 1e-6 * (d.norm() + 1))
+        found.push_back(lambda);
     }
     before = here;
   }
@@ -165,7 +174,8 @@ TEST(CoulombLaw, IsOneOfTheEnumeratedSolutions) {
     }
     if (mode == static_cast<Mode>(Friction::slip) && t > 0) {
       ASSERT_LT((delta.tail<2>() / delta.tail<2>().norm() + lambda.tail<2>() / t).norm() *
-                    delta.tail<2>().norm(), scale * 10);
+                    delta.tail<2>().norm(),
+                scale * 10);
     }
     // And one of those that the other route finds.
     if (i % 10) {
@@ -185,8 +195,8 @@ TEST(CoulombLaw, IsOneOfTheEnumeratedSolutions) {
 }
 
 TEST(CoulombLaw, TangentIsFirstOrderExact) {
-  // Halving the step along the tangent halves the error relative to the step: ratio 2 for a true tangent, 1 for a wrong
-  // one. The median over draws, since a step may cross into another case.
+  // Halving the step along the tangent halves the error relative to the step: ratio 2 for a true
+  // tangent, 1 for a wrong one. The median over draws, since a step may cross into another case.
   std::mt19937_64 random(5);
   std::vector<Real> ratio;
   for (int i = 0; i < 2000; ++i) {

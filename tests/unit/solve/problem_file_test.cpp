@@ -1,3 +1,5 @@
+#include "solve/problem_file.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -5,7 +7,6 @@
 
 #include "chain_problems.h"
 #include "solve/gauss_seidel.h"
-#include "solve/problem_file.h"
 #include "solve_problems.h"
 
 using namespace sutura;
@@ -13,10 +14,12 @@ using namespace sutura::test;
 
 namespace {
 
-const LawOperations* const laws[] = {&law_operations<Bilateral<2>>, &law_operations<PathFrictionLaw>};
+const LawOperations* const laws[] = {&law_operations<Bilateral<2>>,
+                                     &law_operations<PathFrictionLaw>};
 
 struct ProblemFile : ::testing::Test {
-  std::string file = (std::filesystem::temp_directory_path() / "sutura_problem_file_test.problem").string();
+  std::string file =
+      (std::filesystem::temp_directory_path() / "sutura_problem_file_test.problem").string();
   ~ProblemFile() override { std::filesystem::remove(file); }
 };
 
@@ -46,7 +49,8 @@ TEST_F(ProblemFile, DamagedFilesAreRefused) {
   const auto size = std::filesystem::file_size(file);
   ConstraintProblem q;
   EXPECT_NE(read_problem(file + "x", laws, q), "");
-  EXPECT_NE(read_problem(file, std::span(laws).first(1), q).find("path_friction"), std::string::npos);
+  EXPECT_NE(read_problem(file, std::span(laws).first(1), q).find("path_friction"),
+            std::string::npos);
   for (const auto cut : {size - 8, size / 2, std::uintmax_t{20}, std::uintmax_t{3}}) {
     std::filesystem::resize_file(file, cut);
     EXPECT_NE(read_problem(file, laws, q), "") << cut;

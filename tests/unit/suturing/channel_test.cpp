@@ -1,4 +1,5 @@
-// The channel: made by an advancing tip, left by a retracting one, found again, emptied by the end of the thread.
+// The channel: made by an advancing tip, left by a retracting one, found again, emptied by the end
+// of the thread.
 #include "channel.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
-// The smallest bodies on which the suturing components can be judged by closed forms: a rigid straight needle moved by hand
-// and a rigid slab on a spring. Registered as components, so that the real scene, compile and step run.
+// The smallest bodies on which the suturing components can be judged by closed forms: a rigid
+// straight needle moved by hand and a rigid slab on a spring. Registered as components, so that the
+// real scene, compile and step run.
 #pragma once
 
 #include <algorithm>
@@ -21,9 +22,11 @@ struct RigidNeedle : Component, CurveBody {
     d.summary("Rigid straight needle along -z.");
     d.attribute("times", &RigidNeedle::times, "s", at_least(0), "Times of the key frames.");
     d.attribute("travel", &RigidNeedle::travel, "m", any(), "Travel at those times.");
-    d.attribute("start_height", &RigidNeedle::start_height, "m", any(), "Height of the tip at travel 0.");
+    d.attribute("start_height", &RigidNeedle::start_height, "m", any(),
+                "Height of the tip at travel 0.");
     d.attribute("radius", &RigidNeedle::radius_, "m", above(0), "Radius.");
-    d.attribute("swage", &RigidNeedle::swage, "m", at_least(0), "Length of the needle; thread behind it.");
+    d.attribute("swage", &RigidNeedle::swage, "m", at_least(0),
+                "Length of the needle; thread behind it.");
     d.output("travel", "m", "Travel.", [](const RigidNeedle& n) { return n.now_; });
   }
   Real at(Real t) const {
@@ -74,7 +77,8 @@ struct RigidNeedle : Component, CurveBody {
   Wrench hold_wrench(Index) const override { return {}; }
 };
 
-/// Top at z = 0, as deep as `thickness`, wide without end; every point moves with one node on a spring.
+/// Top at z = 0, as deep as `thickness`, wide without end; every point moves with one node on a
+/// spring.
 struct SpringSlab : Component, SolidBody {
   Real stiffness = 300, mass_ = 1e-6, thickness = 1;
   std::vector<Real> youngs;  ///< per region, Pa; none: not known
@@ -87,7 +91,8 @@ struct SpringSlab : Component, SolidBody {
     d.attribute("stiffness", &SpringSlab::stiffness, "N/m", above(0), "Stiffness.");
     d.attribute("mass", &SpringSlab::mass_, "kg", above(0), "Mass.");
     d.attribute("thickness", &SpringSlab::thickness, "m", above(0), "Thickness.");
-    d.attribute("layers", &SpringSlab::layers, "m", above(0), "Depths of the layers under the first.");
+    d.attribute("layers", &SpringSlab::layers, "m", above(0),
+                "Depths of the layers under the first.");
     d.attribute("youngs", &SpringSlab::youngs, "Pa", above(0), "Young modulus per layer.");
     d.output("force", "N", "Of the spring, upwards.",
              [](const SpringSlab& s) { return -s.stiffness * s.u_.z(); });

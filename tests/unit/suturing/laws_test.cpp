@@ -66,7 +66,8 @@ TEST(PathFrictionLaw, IsTheOneConsistentCase) {
       ++cases;
       EXPECT_NEAR(lambda, -d / w, 1e-12 * std::abs(d / w));
     }
-    for (const Real sign : {1.0, -1.0}) {  // slip in direction sign: lambda = -sign R - c delta, delta = w lambda + d
+    for (const Real sign :
+         {1.0, -1.0}) {  // slip in direction sign: lambda = -sign R - c delta, delta = w lambda + d
       const Real delta = (d - sign * w * R) / (1 + w * p.viscous);
       if (sign * delta <= 0) continue;
       ++cases;
@@ -100,7 +101,8 @@ TEST(PathFrictionLaw, BreaksAwayOnlyAtTheStaticLevelAndBeyondTheBand) {
 }
 
 /// Whether (delta, lambda) fulfils the law of the pressing tip, to `scale` (m).
-void expect_pressing(const Vec3& n, Real fp, Real mu, const Vec3& delta, const Vec3& lambda, Real scale) {
+void expect_pressing(const Vec3& n, Real fp, Real mu, const Vec3& delta, const Vec3& lambda,
+                     Real scale) {
   const Real ln = n.dot(lambda), dn = n.dot(delta);
   const Vec3 lt = lambda - ln * n, dt = delta - dn * n;
   ASSERT_GE(ln, -1e-12 * fp);
@@ -134,7 +136,8 @@ TEST(PunctureLaw, PressingIsOnItsGraph) {
     Mode mode = PunctureLaw::pressing;
     const Vec3 lambda = project_twice<PunctureLaw>(W, d, p, mode);
     ASSERT_EQ(mode, PunctureLaw::pressing);
-    expect_pressing(p.normal, p.puncture_force, p.friction, W * lambda + d, lambda, 1e-8 * d.norm());
+    expect_pressing(p.normal, p.puncture_force, p.friction, W * lambda + d, lambda,
+                    1e-8 * d.norm());
     const Real ln = p.normal.dot(lambda);
     at_threshold += ln >= p.puncture_force * (1 - 1e-12);
     open += ln == 0;
@@ -162,7 +165,8 @@ TEST(PunctureLaw, PenetratedIsTheOneConsistentCase) {
     Mode mode = PunctureLaw::penetrated;
     const Vec3 lambda = project_twice<PunctureLaw>(W, d, p, mode);
     ASSERT_EQ(mode, PunctureLaw::penetrated);
-    // Axial force r given or axial delta given; the two lateral deltas vanish. Lagrange form in world axes.
+    // Axial force r given or axial delta given; the two lateral deltas vanish. Lagrange form in
+    // world axes.
     const Mat3 across = Mat3::Identity() - p.axis * p.axis.transpose();
     const auto with_force = [&](Real r, Real drag) {
       // across (W lambda + d) = 0, axis . lambda = -(r + drag axis . (W lambda + d))
@@ -175,9 +179,10 @@ TEST(PunctureLaw, PenetratedIsTheOneConsistentCase) {
     int cases = 0;
     Vec3 expected = Vec3::Zero();
     if (r > 0 && r < p.cutting_force) expected = held, ++cases, ++count[0];
-    if (const Vec3 f = with_force(p.cutting_force, p.drag);
-        p.axis.dot(W * f + d) > 0) expected = f, ++cases, ++count[1];
-    if (const Vec3 f = with_force(0, 0); p.axis.dot(W * f + d) < 0) expected = f, ++cases, ++count[2];
+    if (const Vec3 f = with_force(p.cutting_force, p.drag); p.axis.dot(W * f + d) > 0)
+      expected = f, ++cases, ++count[1];
+    if (const Vec3 f = with_force(0, 0); p.axis.dot(W * f + d) < 0)
+      expected = f, ++cases, ++count[2];
     ASSERT_EQ(cases, 1) << i;
     ASSERT_LT((lambda - expected).norm(), 1e-9 * (1 + expected.norm())) << i;
   }

@@ -1,12 +1,14 @@
-// A needle that meets the surface at 30, 45 and 60 degrees: a rigid straight needle driven along its own axis into a slab on an
-// isotropic spring K. With theta the angle between needle and surface, s the travel since contact, mu the friction of the tip:
+// A needle that meets the surface at 30, 45 and 60 degrees: a rigid straight needle driven along
+// its own axis into a slab on an isotropic spring K. With theta the angle between needle and
+// surface, s the travel since contact, mu the friction of the tip:
 //
-//   normal force      N = K s sin(theta)                     the surface gives way at N = fp, s = fp / (K sin(theta))
-//   tangential force  min(cot(theta), mu) N                  the tip sticks where cot(theta) <= mu
-//   slide of the tip  s (cos(theta) - mu sin(theta)), or 0   ahead, along the surface
+//   normal force      N = K s sin(theta)                     the surface gives way at N = fp, s =
+//   fp / (K sin(theta)) tangential force  min(cot(theta), mu) N                  the tip sticks
+//   where cot(theta) <= mu slide of the tip  s (cos(theta) - mu sin(theta)), or 0   ahead, along
+//   the surface
 //
-// Once through, the slab slides along the needle only: what the spring pulls across it stays as it was at the puncture,
-// fp (cos(theta) - mu sin(theta)), or 0 if the tip stuck.
+// Once through, the slab slides along the needle only: what the spring pulls across it stays as it
+// was at the puncture, fp (cos(theta) - mu sin(theta)), or 0 if the tip stuck.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,18 +22,25 @@
 namespace sutura::testing {
 namespace {
 
-/// Rigid and straight as RigidNeedle, aslant in the plane y = 0: it advances along (cos, 0, -sin) of its angle.
+/// Rigid and straight as RigidNeedle, aslant in the plane y = 0: it advances along (cos, 0, -sin)
+/// of its angle.
 struct ObliqueNeedle : RigidNeedle {
   Real angle = 0;  // rad
   static void describe(Describe<ObliqueNeedle>& d) {
     d.summary("Rigid straight needle at an angle.");
-    d.attribute("times", static_cast<std::vector<Real> ObliqueNeedle::*>(&RigidNeedle::times), "s", at_least(0), "Times.");
-    d.attribute("travel", static_cast<std::vector<Real> ObliqueNeedle::*>(&RigidNeedle::travel), "m", any(), "Travel then.");
+    d.attribute("times", static_cast<std::vector<Real> ObliqueNeedle::*>(&RigidNeedle::times), "s",
+                at_least(0), "Times.");
+    d.attribute("travel", static_cast<std::vector<Real> ObliqueNeedle::*>(&RigidNeedle::travel),
+                "m", any(), "Travel then.");
     d.attribute("angle", &ObliqueNeedle::angle, "rad", above(0), "Angle to the surface.");
   }
   Vec3 ahead() const { return {std::cos(angle), 0, -std::sin(angle)}; }
   Vec3 point(Real s, Configuration c) const override {
-    return ((c == Configuration::free ? free_ : c == Configuration::current ? now_ : 0) - s) * ahead();
+    return ((c == Configuration::free      ? free_
+             : c == Configuration::current ? now_
+                                           : 0) -
+            s) *
+           ahead();
   }
   Vec3 tangent(Real, Configuration) const override { return -ahead(); }
   Pose frame(Real s, Configuration c) const override {
@@ -56,10 +65,12 @@ class ObliqueEntry : public ::testing::TestWithParam<Oblique> {
     const auto [angle, mu] = GetParam();
     const Real far = 5e-3, dt = 2e-3;
     std::ostringstream xml;
-    xml << std::setprecision(17) << "<sutura version='1' gravity='0 0 0' dt='" << dt << "'><ObliqueNeedle angle='" << angle
-        << "' times='0 " << far / step_length * dt << "' travel='0 " << far << "'/><SpringSlab stiffness='" << K
-        << "'/><SuturePath spacing='0.5 mm' wall_compliance='1e-9'/><Cutting threshold='" << fc << "'/><PathFriction coefficient='0'/><Puncture threshold='"
-        << fp << "' friction='" << mu << "'/><GaussSeidel tolerance='1e-9'/></sutura>";
+    xml << std::setprecision(17) << "<sutura version='1' gravity='0 0 0' dt='" << dt
+        << "'><ObliqueNeedle angle='" << angle << "' times='0 " << far / step_length * dt
+        << "' travel='0 " << far << "'/><SpringSlab stiffness='" << K
+        << "'/><SuturePath spacing='0.5 mm' wall_compliance='1e-9'/><Cutting threshold='" << fc
+        << "'/><PathFriction coefficient='0'/><Puncture threshold='" << fp << "' friction='" << mu
+        << "'/><GaussSeidel tolerance='1e-9'/></sutura>";
     enrol_slab_world(registry);
     registry.component<ObliqueNeedle>("ObliqueNeedle");
     Diagnostics diagnostics;
@@ -86,8 +97,8 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
   const Real sine = std::sin(angle), cosine = std::cos(angle);
   const bool sticks = cosine <= mu * sine;
   const Real tangential = std::min(cosine / sine, mu);  // per normal force
-  const Real slide = sticks ? 0 : cosine - mu * sine;    // per travel
-  const Real due = fp / (K * sine);                      // travel at the puncture
+  const Real slide = sticks ? 0 : cosine - mu * sine;   // per travel
+  const Real due = fp / (K * sine);                     // travel at the puncture
   const Vec3 across(sine, 0, cosine);
 
   bool open = false;
@@ -99,8 +110,8 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
     const ConstraintBlock* block = puncture_block();
     open = open || (block && block->mode == PunctureLaw::penetrated);
     const Vec3 spring = -K * slab.u_;  // on the slab; the needle pushes it by as much
-    // What is not static is the mass of the slab, m / (K dt^2) = 8e-4 of what changes in a step; the solver is exact to 1e-9. A
-    // thousandth of the threshold covers both.
+    // What is not static is the mass of the slab, m / (K dt^2) = 8e-4 of what changes in a step;
+    // the solver is exact to 1e-9. A thousandth of the threshold covers both.
     const Real tolerance = 1e-3 * fp;
     if (!open) {
       ASSERT_TRUE(block);
@@ -120,7 +131,8 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
       EXPECT_GE(s, due - 1e-9);
       EXPECT_LT(s, due + step_length + 1e-9);
     }
-    // The channel begins where the tip pressed, at the end of the step before or within the slide of this one, and follows the axis.
+    // The channel begins where the tip pressed, at the end of the step before or within the slide
+    // of this one, and follows the axis.
     const auto& samples = path.channel().samples();
     ASSERT_FALSE(samples.empty());
     const Vec3 mouth(samples[0].at.weights[0], samples[0].at.weights[1], samples[0].at.weights[2]);
@@ -130,9 +142,11 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
     for (const PathSample& p : samples) {
       const Vec3 material(p.at.weights[0], p.at.weights[1], p.at.weights[2]);
       // The wall gives by 1e-9 1/Pa * 0.3 N / 0.5 mm = 6e-7 m.
-      EXPECT_LT((material - mouth - p.depth * needle.ahead()).norm(), 1e-6) << "at depth " << p.depth;
+      EXPECT_LT((material - mouth - p.depth * needle.ahead()).norm(), 1e-6)
+          << "at depth " << p.depth;
     }
-    // Along: the tip cuts with fc once the slab has come back to meet it; across: what the puncture left.
+    // Along: the tip cuts with fc once the slab has come back to meet it; across: what the puncture
+    // left.
     if (s < due + 1e-3) continue;
     EXPECT_NEAR(spring.dot(-needle.ahead()), fc, tolerance);
     // A step before the puncture or at it: the slide of one step.
@@ -144,9 +158,11 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
 
 // Sticking needs mu >= cot(theta): 1.73, 1 and 0.58.
 INSTANTIATE_TEST_SUITE_P(Angles, ObliqueEntry,
-                         ::testing::Values(Oblique{30 * degree, 2}, Oblique{30 * degree, 0.3}, Oblique{30 * degree, 0},
-                                           Oblique{45 * degree, 1.2}, Oblique{45 * degree, 0.3}, Oblique{45 * degree, 0},
-                                           Oblique{60 * degree, 0.8}, Oblique{60 * degree, 0.3}, Oblique{60 * degree, 0}));
+                         ::testing::Values(Oblique{30 * degree, 2}, Oblique{30 * degree, 0.3},
+                                           Oblique{30 * degree, 0}, Oblique{45 * degree, 1.2},
+                                           Oblique{45 * degree, 0.3}, Oblique{45 * degree, 0},
+                                           Oblique{60 * degree, 0.8}, Oblique{60 * degree, 0.3},
+                                           Oblique{60 * degree, 0}));
 
 }  // namespace
 }  // namespace sutura::testing

@@ -1,5 +1,6 @@
-// Force against displacement of a needle through layers, there and back, on the real components in a real scene: puncture,
-// cutting, path and friction between a rigid needle and a slab on a spring. Reference c03: quasi-static closed form.
+// Force against displacement of a needle through layers, there and back, on the real components in
+// a real scene: puncture, cutting, path and friction between a rigid needle and a slab on a spring.
+// Reference c03: quasi-static closed form.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +18,8 @@ struct KeyPoint {
   Real force = 0;     // N
 };
 
-/// The rows of one set of c03, in order of travel; the position turns back after the last "end of cutting".
+/// The rows of one set of c03, in order of travel; the position turns back after the last "end of
+/// cutting".
 struct Reference {
   std::string set;
   Real K = 0, tau = 0;
@@ -64,14 +66,14 @@ std::vector<Reference> read_reference() {
     if (sets.empty() || sets.back().set != t.text(i, "set")) {
       sets.push_back({t.text(i, "set"), t.number(i, "K N/m"), t.number(i, "tau N/m"), {}});
     }
-    sets.back().points.push_back({t.text(i, "event"), t.number(i, "needle position mm") * 1e-3,
-                                  t.number(i, "force N")});
+    sets.back().points.push_back(
+        {t.text(i, "event"), t.number(i, "needle position mm") * 1e-3, t.number(i, "force N")});
   }
   return sets;
 }
 
-/// fp and fc follow from the key points: fp of a layer is its peak less the friction on what is inserted, fc the force at
-/// the end of cutting less the friction there.
+/// fp and fc follow from the key points: fp of a layer is its peak less the friction on what is
+/// inserted, fc the force at the end of cutting less the friction there.
 struct Layers {
   std::vector<Real> puncture, cutting, depth;
 };
@@ -148,7 +150,8 @@ TEST_P(PunctureCurve, FollowsTheClosedForm) {
       EXPECT_EQ(std::get<Real>(o.read(puncture)), Real(layers.puncture.size()));
     }
   }
-  // Zero net force after the needle is out, as exactly as the solver was asked (1e-5 of a force unit of 0.1 N or more).
+  // Zero net force after the needle is out, as exactly as the solver was asked (1e-5 of a force
+  // unit of 0.1 N or more).
   EXPECT_NEAR(slab.stiffness * slab.u_.norm(), 0, 1e-5);
   RecordProperty("worst_error_of_peak", std::to_string(worst / ref.peak()));
 }

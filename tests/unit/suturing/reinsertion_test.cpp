@@ -1,5 +1,6 @@
-// Three layers, in, half out, in again through the same channel, on, and out: force against displacement on the real
-// components, for several steps and sweep counts, against a quasi-static model of its own.
+// Three layers, in, half out, in again through the same channel, on, and out: force against
+// displacement on the real components, for several steps and sweep counts, against a quasi-static
+// model of its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,9 +19,10 @@ const std::vector<Layer> layers = {{0, 0.9, 0.3}, {4e-3, 0.7, 0.15}, {9e-3, 0.8,
 // Where the needle goes, in metres of travel, at 10 mm/s.
 const std::vector<Real> turns = {0, 16e-3, 4e-3, 19e-3, 0};
 
-/// A needle at x pushes a slab on a spring: force F = K (x - a) with a the length inserted. In equilibrium F lies between
-/// -tau a and the resistance to going on: friction in the channel, and at its end the cutting force, or the puncture force of
-/// a layer that is not pierced yet. Advanced by small moves, with no laws and no solver.
+/// A needle at x pushes a slab on a spring: force F = K (x - a) with a the length inserted. In
+/// equilibrium F lies between -tau a and the resistance to going on: friction in the channel, and
+/// at its end the cutting force, or the puncture force of a layer that is not pierced yet. Advanced
+/// by small moves, with no laws and no solver.
 class QuasiStatic {
  public:
   Real move_to(Real x) {
@@ -40,8 +42,10 @@ class QuasiStatic {
         return;
       }
       if (a_ < end_) {  // in the channel
-        if (force > tau * a_) a_ = std::min(K * x_ / (K + tau), end_);
-        else if (force < -tau * a_) a_ = std::max(K * x_ / (K - tau), 0.);
+        if (force > tau * a_)
+          a_ = std::min(K * x_ / (K + tau), end_);
+        else if (force < -tau * a_)
+          a_ = std::max(K * x_ / (K - tau), 0.);
         if (a_ < end_) return;
         continue;
       }
@@ -67,7 +71,8 @@ class QuasiStatic {
 };
 
 void expect_the_curve(Real dt, const std::string& solver) {
-  SlabScene scene{.dt = dt, .stiffness = K, .drag = tau, .tops = {}, .turns = turns, .solver = solver};
+  SlabScene scene{
+      .dt = dt, .stiffness = K, .drag = tau, .tops = {}, .turns = turns, .solver = solver};
   for (const Layer& l : layers) {
     scene.tops.push_back(l.top);
     scene.punctures.push_back(l.puncture);
@@ -79,8 +84,8 @@ void expect_the_curve(Real dt, const std::string& solver) {
   const auto& needle = dynamic_cast<const RigidNeedle&>(*sim->find("/rigid_needle"));
   const auto& slab = dynamic_cast<const SpringSlab&>(*sim->find("/spring_slab"));
   const Real total = needle.times.back();
-  // The exact force at every quarter of a step, to know it around each step: an event falls on a step, and 2 % of the
-  // peak (issue 4) are 0.065 mm of the spring.
+  // The exact force at every quarter of a step, to know it around each step: an event falls on a
+  // step, and 2 % of the peak (issue 4) are 0.065 mm of the spring.
   const Real allowed = 0.02 * 0.98;
   const Index around = 4 + Index(std::ceil(allowed / K / (scene.speed * dt / 4)));
   QuasiStatic exact;
@@ -99,16 +104,20 @@ void expect_the_curve(Real dt, const std::string& solver) {
 }
 
 class ThreeLayersByStep : public ::testing::TestWithParam<Real> {};
-TEST_P(ThreeLayersByStep, InBackInAgainAndOut) { expect_the_curve(GetParam(), ""); }
+TEST_P(ThreeLayersByStep, InBackInAgainAndOut) {
+  expect_the_curve(GetParam(), "");
+}
 INSTANTIATE_TEST_SUITE_P(Steps, ThreeLayersByStep, ::testing::Values(20e-3, 10e-3, 5e-3, 1e-3));
 
 // The forces do not depend on how often the solver sweeps, once it has converged.
 class ThreeLayersBySweeps : public ::testing::TestWithParam<std::string> {};
-TEST_P(ThreeLayersBySweeps, InBackInAgainAndOut) { expect_the_curve(10e-3, GetParam()); }
-INSTANTIATE_TEST_SUITE_P(
-    Sweeps, ThreeLayersBySweeps,
-    ::testing::Values(R"(<GaussSeidel sweeps="20"/>)", R"(<GaussSeidel sweeps="2000"/>)",
-                      R"(<GaussSeidel sweeps="2000" acceleration="none"/>)"));
+TEST_P(ThreeLayersBySweeps, InBackInAgainAndOut) {
+  expect_the_curve(10e-3, GetParam());
+}
+INSTANTIATE_TEST_SUITE_P(Sweeps, ThreeLayersBySweeps,
+                         ::testing::Values(R"(<GaussSeidel sweeps="20"/>)",
+                                           R"(<GaussSeidel sweeps="2000"/>)",
+                                           R"(<GaussSeidel sweeps="2000" acceleration="none"/>)"));
 
 }  // namespace
 }  // namespace sutura::testing

@@ -15,13 +15,13 @@
 namespace sutura::testing {
 
 struct SlabScene {
-  Real dt = 10e-3;                                ///< s
-  Real stiffness = 300;                           ///< of the spring, N/m
-  Real drag = 20;                                 ///< friction per length of needle inside, N/m
+  Real dt = 10e-3;                                 ///< s
+  Real stiffness = 300;                            ///< of the spring, N/m
+  Real drag = 20;                                  ///< friction per length of needle inside, N/m
   std::vector<Real> tops{0}, punctures{}, cuts{};  ///< per layer: depth (m), fp and fc (N)
-  std::vector<Real> turns{};                      ///< travel at the turns of the needle (m)
-  Real speed = 10e-3;                             ///< m/s
-  std::string solver{};                           ///< XML of a solver component, or none
+  std::vector<Real> turns{};                       ///< travel at the turns of the needle (m)
+  Real speed = 10e-3;                              ///< m/s
+  std::string solver{};                            ///< XML of a solver component, or none
 
   /// The registry must outlive the simulation.
   std::unique_ptr<Simulation> compile(Registry& registry) const {
@@ -52,9 +52,10 @@ struct SlabScene {
            " travel=" + list(turns, "m") + "/><SpringSlab stiffness=" + list({stiffness}, "N/m") +
            (under.empty() ? "" : " layers=" + list(under, "m")) +
            "/><SuturePath spacing=\"0.5 mm\"/><Cutting regions=" + list(tags) +
-           " region_thresholds=" + list(cuts, "N") + "/><PathFriction coefficient=\"1\" pressure=" +
-           list({pressure}, "Pa") + "/><Puncture regions=" + list(tags) +
-           " region_thresholds=" + list(punctures, "N") + "/></sutura>";
+           " region_thresholds=" + list(cuts, "N") +
+           "/><PathFriction coefficient=\"1\" pressure=" + list({pressure}, "Pa") +
+           "/><Puncture regions=" + list(tags) + " region_thresholds=" + list(punctures, "N") +
+           "/></sutura>";
   }
 };
 

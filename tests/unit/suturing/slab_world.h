@@ -5,8 +5,8 @@
 #include "fake_bodies.h"
 #include "path_friction.h"
 #include "puncture.h"
-#include "suture_path.h"
 #include "sutura/simulation.h"
+#include "suture_path.h"
 
 namespace sutura::testing {
 

@@ -23,7 +23,10 @@ namespace {
 
 TEST(Allocation, CounterCounts) {
   const long before = allocations;
-  { const VecX v = VecX::Ones(100); EXPECT_EQ(v.sum(), 100); }
+  {
+    const VecX v = VecX::Ones(100);
+    EXPECT_EQ(v.sum(), 100);
+  }
   EXPECT_GT(allocations, before);
 }
 
@@ -75,7 +78,8 @@ struct FallingThread {
   }
 };
 
-// Up to length/shortest_beam beams are declared at the start: from the first step on nothing allocates, events included.
+// Up to length/shortest_beam beams are declared at the start: from the first step on nothing
+// allocates, events included.
 TEST(Allocation, NoneInTheStepOfASampledThread) {
   FallingThread s;
   ASSERT_TRUE(s.diagnostics.ok());

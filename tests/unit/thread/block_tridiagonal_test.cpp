@@ -79,7 +79,8 @@ TEST(BlockTridiagonal, CondensedBlocksAreThoseOfTheInverse) {
       Mat6 block = own[j];
       for (std::size_t i = j + 1; i-- > 0;) {
         if (i < j) block = (transfer[i] * block).eval();
-        EXPECT_LT((block - inverse.block<6, 6>(6 * nodes[i], 6 * nodes[j])).norm(), tolerance * inverse.norm());
+        EXPECT_LT((block - inverse.block<6, 6>(6 * nodes[i], 6 * nodes[j])).norm(),
+                  tolerance * inverse.norm());
       }
     }
   }

@@ -77,8 +77,9 @@ struct Case {
 };
 class Element : public testing::TestWithParam<Case> {};
 
-// Central differences of step d have a relative error of (d/scale)^2 + 1e-16 scale/d: with d/scale = 1e-5,
-// 1e-10 + 1e-11, times the cancellation between terms of the energy (axial against bending, about 1e2).
+// Central differences of step d have a relative error of (d/scale)^2 + 1e-16 scale/d: with d/scale
+// = 1e-5, 1e-10 + 1e-11, times the cancellation between terms of the energy (axial against bending,
+// about 1e2).
 constexpr Real tolerance = 1e-7;
 
 TEST_P(Element, ForceIsTheGradientOfTheEnergy) {
@@ -109,8 +110,8 @@ TEST_P(Element, HessianIsTheDerivativeOfTheForce) {
   Mat9 k;
   hessian(beam.rest, s, k);
   EXPECT_LT((k - k.transpose()).norm(), 1e-12 * k.norm());
-  // The gradient in spins is not a gradient in rotation vectors: its derivative along a constant spin is
-  // the symmetric Hessian plus half the bracket of the moments, an antisymmetric part.
+  // The gradient in spins is not a gradient in rotation vectors: its derivative along a constant
+  // spin is the symmetric Hessian plus half the bracket of the moments, an antisymmetric part.
   Mat9 expected = Mat9::Zero();
   for (int i = 0; i < 9; ++i) {
     const Real step = 1e-5 * (i < 3 ? beam.rest.length : 1);

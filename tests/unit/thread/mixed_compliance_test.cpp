@@ -1,4 +1,5 @@
-// One solve with the thread as an operator beside assembled tissue, against the same solve with everything in W.
+// One solve with the thread as an operator beside assembled tissue, against the same solve with
+// everything in W.
 #include <gtest/gtest.h>
 
 #include "solve/compliance_check.h"
@@ -11,8 +12,9 @@ using namespace sutura::test;
 
 namespace {
 
-// The rows of W are 1e3 times apart in size (a free thread against tissue), and lambda adds 60 of them: rounding moves
-// delta by about 1e-13 of itself. A sweep passes that on, neither better nor worse.
+// The rows of W are 1e3 times apart in size (a free thread against tissue), and lambda adds 60 of
+// them: rounding moves delta by about 1e-13 of itself. A sweep passes that on, neither better nor
+// worse.
 constexpr Real rounding = 1e-11;
 
 VecX iterate(ConstraintProblem problem, Acceleration acceleration, Index sweeps) {
@@ -42,7 +44,8 @@ TEST(MixedCompliance, IteratesAreThoseOfTheAssembledSolve) {
 }
 
 TEST(MixedCompliance, TheDirectStepIsThatOfTheAssembledSolve) {
-  // The condition of the system, scaled to a unit diagonal, is below 1e8 here: what rounding leaves is below 1e-8.
+  // The condition of the system, scaled to a unit diagonal, is below 1e8 here: what rounding leaves
+  // is below 1e-8.
   ThreadPath path({.beams = 60, .samples = 20});
   ConstraintProblem assembled, mixed;
   path.build(assembled, ComplianceForm::assembled);
@@ -95,9 +98,9 @@ TEST(MixedCompliance, ASweepCostsTheSameOnAThreadOfAnyLength) {
     }
     compliance.end_sweep(problem);
     const Index count = chain.products() - before;
-    // 51 touched nodes: 6 levels. A visit of two neighbours goes up and down once and has eight products at the two
-    // leaves, and the two ways part half a level to one level above them on average; begin and end together are less than
-    // ten products per node.
+    // 51 touched nodes: 6 levels. A visit of two neighbours goes up and down once and has eight
+    // products at the two leaves, and the two ways part half a level to one level above them on
+    // average; begin and end together are less than ten products per node.
     EXPECT_LT(count, 100 * (2 * 6 + 8 + 2 * 2) + 10 * 64);
     EXPECT_GT(count, 100 * (2 * 5 + 8));
     if (beams > 200) {
@@ -128,7 +131,8 @@ TEST(MixedCompliance, TheFormIsChosenByCount) {
   // Thousands of rows: a sweep over columns costs their square.
   EXPECT_TRUE(
       report({.beams = 1100, .samples = 1000, .tissue = false}, {.sweeps = 20}).as_operator);
-  // A dense W is there anyway, for tissue: only what the thread adds to it counts, and its sweeps are free.
+  // A dense W is there anyway, for tissue: only what the thread adds to it counts, and its sweeps
+  // are free.
   const SolveReport sweeps{.sweeps = 50};
   EXPECT_GT(report({.samples = 50, .tissue = false}, sweeps).assembled_count,
             report({.samples = 50, .tissue = true}, sweeps).assembled_count);

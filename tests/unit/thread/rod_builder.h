@@ -22,6 +22,8 @@ inline RodLayout straight_layout(Real length, Index beams, const Section& sectio
 }
 
 /// Default thread "N" of the reference sheet: nylon, 0.3 mm.
-inline Section nylon() { return {.radius = 0.15e-3, .young = 2e9, .poisson = 0.4, .density = 1140}; }
+inline Section nylon() {
+  return {.radius = 0.15e-3, .young = 2e9, .poisson = 0.4, .density = 1140};
+}
 
 }  // namespace sutura::thread

@@ -10,8 +10,12 @@
 
 namespace sutura::thread {
 
-inline Pose rest_pose(Real s) { return {Vec3(s, 0, 0), Quat::Identity()}; }
-inline Section section(Real) { return nylon(); }
+inline Pose rest_pose(Real s) {
+  return {Vec3(s, 0, 0), Quat::Identity()};
+}
+inline Section section(Real) {
+  return nylon();
+}
 
 struct BeamEnergy {
   Real elastic = 0, bending = 0;  ///< J; bending: all but that of the strain
@@ -29,15 +33,16 @@ struct BeamEnergy {
   }
 };
 
-/// Largest changes over events: of elastic energy over the bending energy of the beams concerned, of the kinetic
-/// energy and the momenta of the rod over themselves.
+/// Largest changes over events: of elastic energy over the bending energy of the beams concerned,
+/// of the kinetic energy and the momenta of the rod over themselves.
 struct Jumps {
   Real split = 0, merge = 0, kinetic = 0, momentum = 0, angular_momentum = 0;
   int events = 0, splits = 0, merges = 0;
   std::string text() const {
     char line[200];
     std::snprintf(line, sizeof line,
-                  "%d events; %d splits, largest jump %.1e; %d merges, %.1e; kinetic energy %.1e, momenta %.1e and %.1e",
+                  "%d events; %d splits, largest jump %.1e; %d merges, %.1e; kinetic energy %.1e, "
+                  "momenta %.1e and %.1e",
                   events, splits, split, merges, merge, kinetic, momentum, angular_momentum);
     return line;
   }

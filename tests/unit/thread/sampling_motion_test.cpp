@@ -10,7 +10,8 @@ namespace {
 
 constexpr Real length = 0.3;
 
-/// Asked, per event: momenta to 1e-10, energy below 1 % of the bending energy of the beams concerned.
+/// Asked, per event: momenta to 1e-10, energy below 1 % of the bending energy of the beams
+/// concerned.
 void expect_small(const Jumps& jumps) {
   EXPECT_GT(jumps.splits, 5);
   EXPECT_GT(jumps.merges, 5);

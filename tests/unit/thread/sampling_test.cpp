@@ -46,7 +46,8 @@ int settle(Rod& rod, const SamplingRules& rules, int most = 30) {
 
 TEST(Sampling, AnSIsNotStraight) {
   // End tangents of the beam agree: the angle between them says straight, its integral does not.
-  Rod s_shape = plane_rod(1, [](Real s) { return 0.5 * std::sin(2 * std::numbers::pi * s / length) ; });
+  Rod s_shape =
+      plane_rod(1, [](Real s) { return 0.5 * std::sin(2 * std::numbers::pi * s / length); });
   Pose& end = s_shape.state()[1];
   end.position = Vec3(0.28, 0, 0);
   s_shape.state()[0].rotation = end.rotation = Quat(Eigen::AngleAxis<Real>(0.4, Vec3::UnitZ()));
@@ -104,7 +105,8 @@ TEST(Sampling, MomentumIsConservedAndEnergyHardlyMoves) {
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Vec3 x = rod.poses(Configuration::current)[i].position;
     const Vec3 spin(2, -1, 3);
-    rod.velocity().segment<3>(6 * i) = Vec3(0.1, 0.2, -0.3) + spin.cross(x) + Vec3(0, 0, std::sin(20 * x.x()));
+    rod.velocity().segment<3>(6 * i) =
+        Vec3(0.1, 0.2, -0.3) + spin.cross(x) + Vec3(0, 0, std::sin(20 * x.x()));
     rod.velocity().segment<3>(6 * i + 3) = spin + Vec3(1, -20 * std::cos(20 * x.x()), 0);
   }
   // Settle the bending energy first: the rod's own shape, not the one it was drawn with.
@@ -113,7 +115,8 @@ TEST(Sampling, MomentumIsConservedAndEnergyHardlyMoves) {
   for (const Real angle : {0.2, 0.1, 0.8, 0.05, 1.5}) {
     for (int i = 0; i < 10; ++i) {
       bool changed = false;
-      const auto nodes = sample(rod, {.angle = angle, .shortest = 0.2e-3, .longest = 30e-3}, changed);
+      const auto nodes =
+          sample(rod, {.angle = angle, .shortest = 0.2e-3, .longest = 30e-3}, changed);
       if (!changed) break;
       const Real bending = rod.elastic_energy();
       const bool refined = nodes.size() > rod.abscissa().size();
@@ -144,7 +147,8 @@ TEST(Sampling, EveryEventKeepsTheEnergyOfItsBeams) {
   for (const Real angle : {0.2, 0.1, 0.05, 0.15, 0.3, 0.6})
     for (int i = 0; i < 10; ++i) {
       rest();
-      if (!resample_and_compare(rod, {.angle = angle, .shortest = 0.2e-3, .longest = 0.1}, jumps)) break;
+      if (!resample_and_compare(rod, {.angle = angle, .shortest = 0.2e-3, .longest = 0.1}, jumps))
+        break;
     }
   std::printf("at rest: %s\n", jumps.text().c_str());
   EXPECT_GT(jumps.splits, 20);

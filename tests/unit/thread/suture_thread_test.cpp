@@ -82,8 +82,10 @@ TEST(SutureThread, JacobianIsTheDerivativeOfThePoint) {
       const auto moved = [&](Real d) {
         Pose end[2] = {poses[j.node[0]], poses[j.node[1]]};
         Pose& p = end[i / 6];
-        if (i % 6 < 3) p.position[i % 6] += d;
-        else p.rotation = rotated(p.rotation, d * Vec3::Unit(i % 6 - 3));
+        if (i % 6 < 3)
+          p.position[i % 6] += d;
+        else
+          p.rotation = rotated(p.rotation, d * Vec3::Unit(i % 6 - 3));
         const Cubic c(end[0], end[1], rod.element(j.node[0]).length);
         return c.point((a - rod.abscissa()[j.node[0]]) / rod.element(j.node[0]).length);
       };
@@ -122,7 +124,8 @@ TEST(SutureThread, HoldMakesANodeAndHoldsItsSection) {
   for (int i = 1; i <= 20; ++i) {
     target.position = from.position + i / 20. * Vec3(5e-3, -2e-3, 1e-3);
     target.rotation = Quat(Eigen::AngleAxis<Real>(i / 20. * 170 * std::numbers::pi / 180,
-                                                  Vec3(1, 2, -1).normalized())) * from.rotation;
+                                                  Vec3(1, 2, -1).normalized())) *
+                      from.rotation;
     s.thread.set_hold(hold, target, {});
     s.steps(1, 0.01, Vec3(0, 0, -9.81));
   }
@@ -165,7 +168,8 @@ TEST(SutureThread, CondensedComplianceIsThatOfSolves) {
     MatX W = MatX::Zero(row, row), expected = W;
     ChainCompliance chain;
     ASSERT_TRUE(s.thread.chain_compliance(rows, context.dt, chain));
-    EXPECT_EQ(std::count(chain.node.begin(), chain.node.end(), 0), clamp == SutureThread::Clamp::none);
+    EXPECT_EQ(std::count(chain.node.begin(), chain.node.end(), 0),
+              clamp == SutureThread::Clamp::none);
     MatX blocks = MatX::Zero(6 * chain.size(), 6 * chain.size());
     for (Index b = 0; b < chain.size(); ++b) {
       Mat6 block = chain.own[b];
@@ -180,11 +184,13 @@ TEST(SutureThread, CondensedComplianceIsThatOfSolves) {
       for (Index e = rows.start[r]; e < rows.start[r + 1]; ++e) {
         const auto found = std::find(chain.node.begin(), chain.node.end(), rows.node[e]);
         if (found == chain.node.end()) continue;
-        H.block<1, 6>(r, 6 * (found - chain.node.begin())) += Eigen::Map<const Vec6>(&rows.value[6 * e]).transpose();
+        H.block<1, 6>(r, 6 * (found - chain.node.begin())) +=
+            Eigen::Map<const Vec6>(&rows.value[6 * e]).transpose();
       }
     W = H * blocks * H.transpose();
     s.thread.add_compliance(rows, context.dt, expected);
-    // Two orders of the same sums, on a matrix whose condition number is about 1e8 (EA against mass).
+    // Two orders of the same sums, on a matrix whose condition number is about 1e8 (EA against
+    // mass).
     EXPECT_LT((W - expected).norm(), 1e-8 * expected.norm());
     EXPECT_LT((W - W.transpose()).norm(), 1e-8 * W.norm());
   }
@@ -236,18 +242,22 @@ TEST(SutureThread, SaysWhatWentWrong) {
     s.thread.clamp = SutureThread::Clamp::start;
     s.initialise();
     s.steps(1, 0.01, Vec3(0, 0, -1e200));
-    EXPECT_NE(s.thread.trouble().find("no motion within this step"), std::string::npos) << s.thread.trouble();
+    EXPECT_NE(s.thread.trouble().find("no motion within this step"), std::string::npos)
+        << s.thread.trouble();
     EXPECT_TRUE(s.thread.finite());
     s.steps(1, 0.01, Vec3(0, 0, -9.81));  // the next step is judged by itself
     EXPECT_EQ(s.thread.trouble(), "");
   }
   {
-    // A spring that pushes away makes the matrix indefinite; there is no valid step, and the run has to stop.
+    // A spring that pushes away makes the matrix indefinite; there is no valid step, and the run
+    // has to stop.
     Suture s;
     s.initialise();
-    s.thread.set_hold(s.thread.add_hold(0.1), s.thread.frame(0.1, Configuration::current), {-1e9, -1e9});
+    s.thread.set_hold(s.thread.add_hold(0.1), s.thread.frame(0.1, Configuration::current),
+                      {-1e9, -1e9});
     s.steps(1);
-    EXPECT_NE(s.thread.trouble().find("not positive definite"), std::string::npos) << s.thread.trouble();
+    EXPECT_NE(s.thread.trouble().find("not positive definite"), std::string::npos)
+        << s.thread.trouble();
     EXPECT_FALSE(s.thread.finite());
   }
 }

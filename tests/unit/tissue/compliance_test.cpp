@@ -122,8 +122,9 @@ TEST_F(ComplianceOf, AsynchronousOneTurnsWithTheBody) {
   EXPECT_LT((from(solver, rows) - W).norm(), 1e-11 * W.norm());
 }
 
-// What is left of a violation when contacts are solved with a compliance of another state and the body
-// then moves by its true matrix; and after one more pass. The factor is `angle` of bending old.
+// What is left of a violation when contacts are solved with a compliance of another state and the
+// body then moves by its true matrix; and after one more pass. The factor is `angle` of bending
+// old.
 TEST_F(ComplianceOf, OneMorePassRepairsAnOldCompliance) {
   const BodyRows rows = contacts(grid, 12);
   std::vector<Index> candidates;
@@ -160,8 +161,8 @@ TEST_F(ComplianceOf, OneMorePassRepairsAnOldCompliance) {
     // docs/theory/preconditioner.md. The second must be worth its cost even at 60 degrees.
     EXPECT_LT(violation[0], 0.25) << a;
     EXPECT_LT(violation[1], 0.4 * violation[0]) << a;
-    RecordProperty("violation_" + std::to_string(int(a)), std::to_string(violation[0]) + " " +
-                                                              std::to_string(violation[1]));
+    RecordProperty("violation_" + std::to_string(int(a)),
+                   std::to_string(violation[0]) + " " + std::to_string(violation[1]));
   }
 }
 
@@ -188,7 +189,8 @@ TEST(Candidates, PreferWhatWasTouchedLast) {
   EXPECT_EQ(c.outgrown(), std::ranges::find(c.chosen(), 800) == c.chosen().end());
   c.choose(4 + 2 * Candidates::memory);
   EXPECT_EQ(c.chosen()[0], 800);
-  EXPECT_LE(static_cast<Index>(c.chosen().size()), 15);  // a node of this grid and its 14 neighbours
+  EXPECT_LE(static_cast<Index>(c.chosen().size()),
+            15);  // a node of this grid and its 14 neighbours
 }
 
 TEST(Candidates, FixedNodesAreNever) {

@@ -74,7 +74,8 @@ TEST(SmoothedT4, RotationsCostNoForce) {
   const MeshData mesh = jittered({2, 3, 2}, Vec3(0.02, 0.03, 0.02));
   StaticProblem p(mesh, Material{1e4, 0.49, 1000}, smoothed(mesh));
   for (int degrees = 0; degrees <= 360; degrees += 30) {
-    const Mat3 R(Eigen::AngleAxis<Real>(degrees * std::numbers::pi / 180, Vec3(3, -1, 2).normalized()));
+    const Mat3 R(
+        Eigen::AngleAxis<Real>(degrees * std::numbers::pi / 180, Vec3(3, -1, 2).normalized()));
     for (Index i = 0; i < p.nodes(); ++i) p.x.segment<3>(3 * i) = R * mesh.points[std::size_t(i)];
     EXPECT_LT(p.elastic_force().cwiseAbs().maxCoeff(), 1e-10 * 1e4 * 0.01 * 0.01) << degrees;
   }
@@ -131,7 +132,8 @@ Real bending_error(Real poisson, const MeshData& mesh, std::unique_ptr<ElasticMo
   EXPECT_NEAR(area, 4e-4, 1e-12);
   EXPECT_LT(p.newton(1), 1);
   Real sum = 0;
-  for (Index i = 0; i < p.nodes(); ++i) sum -= p.load[3 * i + 2] * (p.x[3 * i + 2] - mesh.points[std::size_t(i)].z());
+  for (Index i = 0; i < p.nodes(); ++i)
+    sum -= p.load[3 * i + 2] * (p.x[3 * i + 2] - mesh.points[std::size_t(i)].z());
   const testing::Table table = testing::reference("b03_cantilever_small.csv");
   for (std::size_t row = 0; row < table.rows.size(); ++row)
     if (table.number(row, "nu") == poisson && table.text(row, "element").starts_with("reference"))
@@ -163,8 +165,8 @@ TEST(SmoothedT4, BendingConverges) {
     const MeshData mesh = kuhn_block({5 * n, n, n}, Vec3(0.1, 0.02, 0.02));
     error[k++] = std::abs(bending_error(0.45, mesh, smoothed(mesh)));
   }
-  // Order one at least: a corner singularity of the clamped face and the change of sign of the error
-  // keep it from being measured more sharply than this.
+  // Order one at least: a corner singularity of the clamped face and the change of sign of the
+  // error keep it from being measured more sharply than this.
   EXPECT_LT(error[1], 0.5 * error[0]);
 }
 

@@ -25,7 +25,8 @@ class FactorOf : public ::testing::TestWithParam<FactorBackend> {
   std::shared_ptr<const FactorPlan> plan;
 };
 
-// Backward stable solves err by a small multiple of the condition number (here some 1e3) times 1e-16.
+// Backward stable solves err by a small multiple of the condition number (here some 1e3) times
+// 1e-16.
 constexpr Real solve_tolerance = 1e-11;
 
 TEST_P(FactorOf, SolvesManyColumnsLikeADenseMatrix) {
@@ -43,7 +44,8 @@ TEST_P(FactorOf, RoughSolvesAreGoodToSinglePrecision) {
   const auto f = factor();
   f->keep_rough();
   ASSERT_TRUE(f->factorise(A));
-  MatX exact = 1e-50 * testing::rough_vector(grid.fixed), rough = exact;  // below the range of float
+  MatX exact = 1e-50 * testing::rough_vector(grid.fixed),
+       rough = exact;  // below the range of float
   exact.col(0).segment<3>(3).setConstant(7e-51);
   rough = exact;
   f->solve(exact);
@@ -72,8 +74,8 @@ TEST_P(FactorOf, TailComplianceIsTheBlockOfTheInverse) {
   ASSERT_TRUE(f->factorise(A));
   const auto tail = tail_nodes(*plan);
   ASSERT_EQ(tail.size(), last.size() - 1);
-  const MatX inverse = testing::dense(A, grid.fixed).llt().solve(
-      MatX::Identity(3 * A.nodes(), 3 * A.nodes()));
+  const MatX inverse =
+      testing::dense(A, grid.fixed).llt().solve(MatX::Identity(3 * A.nodes(), 3 * A.nodes()));
   const MatX C = f->tail_compliance();
   ASSERT_EQ(C.rows(), 3 * Index(tail.size()));
   Real worst = 0;

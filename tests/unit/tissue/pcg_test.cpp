@@ -68,7 +68,8 @@ TEST_F(Conjugate, ManyColumnsGiveWhatEachGivesAlone) {
   for (Index c = 0; c < 4; ++c) {
     const PcgReport r = pcg.solve(A, grid.fixed, warped, b.col(c), alone, 1e-8, 100);
     EXPECT_EQ(r.iterations > 0, c < 3);
-    // Both are within 1e-8 of A x = b in the residual; the factor's own rounding differs by columns.
+    // Both are within 1e-8 of A x = b in the residual; the factor's own rounding differs by
+    // columns.
     EXPECT_LT((together.col(c) - alone.col(0)).norm(), 1e-8 * (1e-30 + alone.norm())) << c;
   }
 }

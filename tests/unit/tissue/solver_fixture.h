@@ -21,8 +21,8 @@ struct Grid {
   std::vector<char> fixed;  ///< the face x = 0
 };
 
-/// nx * ny * nz cells of `cell` metres, six tetrahedra each around the diagonal from the lowest to the
-/// highest corner.
+/// nx * ny * nz cells of `cell` metres, six tetrahedra each around the diagonal from the lowest to
+/// the highest corner.
 inline Grid make_grid(Index nx, Index ny, Index nz, Real cell) {
   Grid g;
   const auto id = [&](Index i, Index j, Index k) { return (k * (ny + 1) + j) * (nx + 1) + i; };
@@ -70,8 +70,9 @@ inline NodeMatrix make_matrix(const Grid& g) {
   return NodeMatrix(static_cast<Index>(g.rest.size()), pairs_of_elements(nodes, 4));
 }
 
-/// A = M + h^2 K at positions x; `rotations` per node: polar factor of the volume-weighted mean of the
-/// deformation gradients around it; `force`, if asked for, -dE/dx; `masses` of the nodes likewise.
+/// A = M + h^2 K at positions x; `rotations` per node: polar factor of the volume-weighted mean of
+/// the deformation gradients around it; `force`, if asked for, -dE/dx; `masses` of the nodes
+/// likewise.
 inline void assemble(const Grid& g, const std::vector<Vec3>& x, const Elasticity& e, Real h,
                      NodeMatrix& A, std::vector<Mat3>& rotations, VecX* force = nullptr,
                      std::vector<Real>* masses = nullptr) {
@@ -145,11 +146,10 @@ struct Swing {
     A.multiply(v, b);
     for (Index i = 0; i < A.nodes(); ++i) {
       const Real m = mass[static_cast<std::size_t>(i)];
-      b.segment<3>(3 * i) =
-          grid.fixed[static_cast<std::size_t>(i)]
-              ? Vec3(Vec3::Zero())
-              : Vec3(h * (force.segment<3>(3 * i) + m * gravity) + m * v.segment<3>(3 * i) -
-                     b.segment<3>(3 * i));
+      b.segment<3>(3 * i) = grid.fixed[static_cast<std::size_t>(i)]
+                                ? Vec3(Vec3::Zero())
+                                : Vec3(h * (force.segment<3>(3 * i) + m * gravity) +
+                                       m * v.segment<3>(3 * i) - b.segment<3>(3 * i));
     }
     return b;
   }
@@ -158,8 +158,7 @@ struct Swing {
     solver.prepare(A, rotations, count++);
     solver.solve(dv);
     v += dv;
-    for (Index i = 0; i < A.nodes(); ++i)
-      x[static_cast<std::size_t>(i)] += h * v.segment<3>(3 * i);
+    for (Index i = 0; i < A.nodes(); ++i) x[static_cast<std::size_t>(i)] += h * v.segment<3>(3 * i);
   }
 };
 
@@ -169,7 +168,8 @@ inline std::vector<Vec3> deform(const Grid& g, const std::function<Vec3(const Ve
   return x;
 }
 
-/// Bends a beam along x of the given length by `angle` (rad) about y, keeping the length of z = middle.
+/// Bends a beam along x of the given length by `angle` (rad) about y, keeping the length of z =
+/// middle.
 inline std::function<Vec3(const Vec3&)> bend(Real length, Real angle, Real middle) {
   return [=](const Vec3& X) {
     if (angle == 0) return X;

@@ -1,13 +1,13 @@
-// reference/c01, c06, c07: an incline, a pendulum, rows that repeat or contradict each other; small models on the same laws,
-// builder and solver as any scene.
+// reference/c01, c06, c07: an incline, a pendulum, rows that repeat or contradict each other; small
+// models on the same laws, builder and solver as any scene.
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "csv.h"
 #include "small_world.h"
-#include "sutura/laws/bilateral.h"
 #include "solve_problems.h"
+#include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 
 using namespace sutura;
@@ -21,7 +21,8 @@ TEST(Incline, SticksOrSlidesAsCoulombSays) {
   const Table table = reference("c01_incline.csv");
   ASSERT_EQ(table.rows.size(), 20u);
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    const Real angle = table.number(row, "angle deg") * std::numbers::pi / 180, mu = table.number(row, "mu");
+    const Real angle = table.number(row, "angle deg") * std::numbers::pi / 180,
+               mu = table.number(row, "mu");
     const Real mass = 0.02, g = 9.81;
     PointMasses block(1, mass);
     // The plane is z = 0; gravity is tilted.
@@ -42,7 +43,8 @@ TEST(Incline, SticksOrSlidesAsCoulombSays) {
       friction = solved.lambda(id).tail(2).norm();
     }
     const Real expected = table.number(row, "distance implicit Euler h=0.01");
-    // The solver stops at 1e-9 of 0.1 mm and 0.1 N: friction is right to 1e-10 N, that is 5e-9 m/s^2 on 20 g.
+    // The solver stops at 1e-9 of 0.1 mm and 0.1 N: friction is right to 1e-10 N, that is 5e-9
+    // m/s^2 on 20 g.
     EXPECT_NEAR(block.x[0], expected, 1e-7) << "row " << row;
     if (table.number(row, "sticks") > 0) {
       EXPECT_LT(std::abs(block.v[0]), 1e-9);
@@ -71,8 +73,9 @@ TEST(Drift, APendulumKeepsItsLength) {
       last = std::abs(bob.x.norm() - 1);
       worst = std::max(worst, last);
     }
-    // Linearised once per step: second order in the turn of a step, no growth. The table's column is the same recursion,
-    // computed independently; the solver's tolerance of 1e-13 m is far below.
+    // Linearised once per step: second order in the turn of a step, no growth. The table's column
+    // is the same recursion, computed independently; the solver's tolerance of 1e-13 m is far
+    // below.
     const Real expected = table.number(row, "b worst");
     EXPECT_NEAR(worst, expected, 0.01 * expected + 1e-12) << h;
     EXPECT_LT(worst, 1e-4);
@@ -101,7 +104,8 @@ TEST(Redundant, ConflictWithoutComplianceIsReportedAndBoundedByTheBudget) {
   const SolveReport report = BlockGaussSeidel({.sweeps = 200}).solve(p);
   EXPECT_FALSE(report.converged);
   ASSERT_TRUE(p.lambda.allFinite());
-  // Each sweep adds at most the conflict itself, 1, and the direct step is taken only where the residual falls.
+  // Each sweep adds at most the conflict itself, 1, and the direct step is taken only where the
+  // residual falls.
   EXPECT_LE(p.lambda.cwiseAbs().maxCoeff(), 202);
   EXPECT_GT(report.residual, 0.4);
 }

@@ -1,4 +1,5 @@
-// reference/c02: complementarity and Coulomb problems whose solutions come from enumeration of all cases.
+// reference/c02: complementarity and Coulomb problems whose solutions come from enumeration of all
+// cases.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -28,7 +29,8 @@ VecX vector_of(const nlohmann::json& j) {
 }
 MatX matrix_of(const nlohmann::json& j) {
   MatX m(j.size(), j.size());
-  for (std::size_t i = 0; i < j.size(); ++i) m.row(static_cast<Index>(i)) = vector_of(j[i]).transpose();
+  for (std::size_t i = 0; i < j.size(); ++i)
+    m.row(static_cast<Index>(i)) = vector_of(j[i]).transpose();
   return m;
 }
 
@@ -40,7 +42,8 @@ ConstraintProblem lcp(const nlohmann::json& j) {
 }
 ConstraintProblem coulomb(const nlohmann::json& j) {
   ConstraintProblem p;
-  for (const Real mu : j["mu"].get<std::vector<Real>>()) append<Coulomb>(p, {.mu = mu}, 0, unit_scale);
+  for (const Real mu : j["mu"].get<std::vector<Real>>())
+    append<Coulomb>(p, {.mu = mu}, 0, unit_scale);
   finish(p, matrix_of(j["W"]), vector_of(j["q"]));
   return p;
 }
@@ -72,7 +75,8 @@ TEST(ContactProblems, LinearComplementarity) {
     for (const Acceleration a : {Acceleration::none, Acceleration::nncg, Acceleration::subspace}) {
       ConstraintProblem q = lcp(j);
       // 1e-10: the smallest eigenvalue of these W is about 1e-2, so lambda is right to 1e-8.
-      const SolveReport report = BlockGaussSeidel({.tolerance = 1e-10, .sweeps = 20000, .acceleration = a}).solve(q);
+      const SolveReport report =
+          BlockGaussSeidel({.tolerance = 1e-10, .sweeps = 20000, .acceleration = a}).solve(q);
       EXPECT_TRUE(report.converged) << j["name"];
       EXPECT_LT((q.lambda - expected).norm(), 1e-7 * (1 + expected.norm())) << j["name"];
     }
@@ -105,15 +109,18 @@ TEST(ContactProblems, CoulombByGaussSeidel) {
       const Real tolerance = large ? 1e-6 : 1e-10;
       const SolveReport report =
           BlockGaussSeidel({.tolerance = tolerance, .sweeps = 2000, .acceleration = a}).solve(p);
-      EXPECT_TRUE(report.converged) << j["name"] << " " << static_cast<int>(a) << " " << report.residual;
-      // The natural map here is scaled differently from the solver's; the condition of W is about 1e2.
+      EXPECT_TRUE(report.converged)
+          << j["name"] << " " << static_cast<int>(a) << " " << report.residual;
+      // The natural map here is scaled differently from the solver's; the condition of W is about
+      // 1e2.
       EXPECT_LT(coulomb_error(p), 100 * tolerance) << j["name"];
       const VecX expected = vector_of(j["lambda"]);
       if (!large) {
         EXPECT_LT((p.lambda - expected).norm(), 1e-7 * (1 + expected.norm())) << j["name"];
         std::string states;
         for (const ConstraintBlock& b : p.blocks) states += "OKS"[b.mode];
-        // The state of a contact at the edge of its cone is stick or slip by rounding: case 2 is built so.
+        // The state of a contact at the edge of its cone is stick or slip by rounding: case 2 is
+        // built so.
         if (j["name"] != "one contact W=I q=(-1,0.3,0) mu=0.3") {
           EXPECT_EQ(states, j["state"]) << j["name"];
         }

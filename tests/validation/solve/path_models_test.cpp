@@ -1,5 +1,5 @@
-// reference/c03 to c05: a needle through a surface, stick and slip, a thread through a path; masses and springs on the same
-// laws, builder and solver as any scene.
+// reference/c03 to c05: a needle through a surface, stick and slip, a thread through a path; masses
+// and springs on the same laws, builder and solver as any scene.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -18,7 +18,8 @@ using sutura::testing::Table;
 
 namespace {
 
-// A needle driven along z through a slab on a spring K: the state machine of a puncture source in a few lines.
+// A needle driven along z through a slab on a spring K: the state machine of a puncture source in a
+// few lines.
 struct NeedleModel {
   Real K, tau, fp, fc;
   PointMasses slab{1, 1e-9};
@@ -45,19 +46,22 @@ struct NeedleModel {
         p.cutting_force = fc;
         p.drag = tau;
         // Rows: tip minus surface point. The slab is the only body: its force is the reaction.
-        surface = builder.add<PunctureLaw>({1}, p, Vec3(0, 0, free_depth()), PunctureLaw::pressing, {.force = fp});
+        surface = builder.add<PunctureLaw>({1}, p, Vec3(0, 0, free_depth()), PunctureLaw::pressing,
+                                           {.force = fp});
         world.couple(surface, slab, 0, -Mat3::Identity());
         return;
       }
       const MatX along = Vec3(0, 0, 1).transpose();
-      const BlockId cut = builder.add<CuttingLaw>({2}, {.threshold = fc}, BlockVector<1>(path_end - free_depth()));
+      const BlockId cut =
+          builder.add<CuttingLaw>({2}, {.threshold = fc}, BlockVector<1>(path_end - free_depth()));
       world.couple(cut, slab, 0, along);
-      // Friction on the inserted length of the last step; its growth within the step acts as a viscous part.
+      // Friction on the inserted length of the last step; its growth within the step acts as a
+      // viscous part.
       const Real before = inserted, level = tau * inserted;
       const Real moved = free_depth() - before;
       friction = builder.add<PathFrictionLaw>(
-          {3}, {.static_level = level, .kinetic = level, .viscous = slip > 0 ? tau : 0.0}, BlockVector<1>(moved),
-          PathFrictionLaw::stick);
+          {3}, {.static_level = level, .kinetic = level, .viscous = slip > 0 ? tau : 0.0},
+          BlockVector<1>(moved), PathFrictionLaw::stick);
       world.couple(friction, slab, 0, -along);
     });
     (void)from;
@@ -85,14 +89,16 @@ TEST(Puncture, ForceOverDisplacementFollowsTheAnalyticCurve) {
     const char* name;
     Real K, tau, fp, fc, deepest;
   };
-  // Single layers of the table; several layers are judged on the real components (tests/unit/suturing). Data of the
-  // sets: reference/README.md, and K, tau, peak and the force after the puncture of the table itself.
+  // Single layers of the table; several layers are judged on the real components
+  // (tests/unit/suturing). Data of the sets: reference/README.md, and K, tau, peak and the force
+  // after the puncture of the table itself.
   for (const Set& set : {Set{"suture taper needle, skin-like single layer", 300, 20, 1, 0.4, 12e-3},
                          Set{"stiff gel no cutting force", 1000, 50, 0.8, 0, 10e-3}}) {
     std::map<std::string, std::pair<Real, Real>> at;
     for (std::size_t i = 0; i < table.rows.size(); ++i)
       if (table.text(i, "set") == set.name)
-        at[table.text(i, "event")] = {1e-3 * table.number(i, "needle position mm"), table.number(i, "force N")};
+        at[table.text(i, "event")] = {1e-3 * table.number(i, "needle position mm"),
+                                      table.number(i, "force N")};
     NeedleModel needle(set.K, set.tau, set.fp, set.fc);
     const Real dx = 2e-6;
     Real x = -1e-5, peak = 0, peak_at = 0, after = 0;
@@ -149,9 +155,9 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
         BlockId id;
         world.step([&](ConstraintBuilder& builder) {
           const Real d = body.position(node(0), Configuration::free).x() - body.x[0];
-          id = builder.add<PathFrictionLaw>({1}, p, BlockVector<1>(d),
-                                            std::abs(slip) > p.stick_slip ? PathFrictionLaw::slip
-                                                                          : PathFrictionLaw::stick);
+          id = builder.add<PathFrictionLaw>(
+              {1}, p, BlockVector<1>(d),
+              std::abs(slip) > p.stick_slip ? PathFrictionLaw::slip : PathFrictionLaw::stick);
           world.couple(id, body, 0, Vec3(1, 0, 0).transpose());
         });
         slip = SolvedBlocks(world.problem).delta(id)[0];
@@ -172,8 +178,9 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
     EXPECT_NEAR(starts[2] - starts[1], period, 0.02 * period) << row;
     EXPECT_NEAR(high, Fs, 0.02 * Fs);
     EXPECT_NEAR(low, 2 * Fk - Fs, 0.02 * Fs);
-    // A long step: implicit Euler damps the slip. Where the damped oscillator still comes to rest, it must stick and break
-    // away again; where it no longer does, it slides on at the kinetic force. The oscillator alone, stepped here:
+    // A long step: implicit Euler damps the slip. Where the damped oscillator still comes to rest,
+    // it must stick and break away again; where it no longer does, it slides on at the kinetic
+    // force. The oscillator alone, stepped here:
     const Real h = 0.01, m = table.number(row, "m kg");
     Real stretch = Fs / k, v = 0, slowest = V;
     for (int step = 0; step < 1000; ++step) {
@@ -198,14 +205,16 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
   const Table table = reference("c05_path_sliding.csv");
   const Real R = 8e-3;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
-    const Real T_in = table.number(row, "T_in N"), mu = table.number(row, "mu"), tau0 = table.number(row, "tau0 N/m");
+    const Real T_in = table.number(row, "T_in N"), mu = table.number(row, "mu"),
+               tau0 = table.number(row, "tau0 N/m");
     for (const int n : {5, 10, 20, 40}) {
       // The long chains for one row of each coefficient only: they take seconds.
       if (n > 10 && !(T_in == 0.1 && tau0 == 10)) continue;
       if (n == 40 && mu < 0.2) continue;
-      // Vertices of a polyline with n turns of pi / n each, one bead per vertex and one beyond each end. The chain slides
-      // as a whole along fixed path points: a dragged, straightened-out picture of a thread, one step long enough to be
-      // in steady sliding (rows and directions stay those of the rest shape).
+      // Vertices of a polyline with n turns of pi / n each, one bead per vertex and one beyond each
+      // end. The chain slides as a whole along fixed path points: a dragged, straightened-out
+      // picture of a thread, one step long enough to be in steady sliding (rows and directions stay
+      // those of the rest shape).
       const Real turn = std::numbers::pi / n;
       const Real chord = 2 * R * std::sin(turn / 2);
       PointMasses chain(n + 2, 1e-7);
@@ -213,19 +222,22 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
       at[0] = Vec3::Zero();
       for (int i = 0; i <= n; ++i) {
         along[static_cast<std::size_t>(i)] = Vec3(std::cos(i * turn), std::sin(i * turn), 0);
-        at[static_cast<std::size_t>(i) + 1] = at[static_cast<std::size_t>(i)] + chord * along[static_cast<std::size_t>(i)];
+        at[static_cast<std::size_t>(i) + 1] =
+            at[static_cast<std::size_t>(i)] + chord * along[static_cast<std::size_t>(i)];
       }
       for (int i = 0; i < n + 2; ++i) chain.place(i, at[static_cast<std::size_t>(i)]);
       chain.x.setZero();
       for (int i = 0; i < n + 2; ++i) chain.x.segment<3>(3 * i) = at[static_cast<std::size_t>(i)];
       const Real k = 1e5;
-      for (int i = 0; i <= n; ++i) chain.add_spring(i, i + 1, along[static_cast<std::size_t>(i)], k);
+      for (int i = 0; i <= n; ++i)
+        chain.add_spring(i, i + 1, along[static_cast<std::size_t>(i)], k);
       chain.force.segment<3>(0) = -T_in * along[0];
       const Real speed = 1e-3;
       chain.prescribe(n + 1, speed * along.back());
       SmallWorld world({&chain}, 0.01);
       std::vector<Real> lateral(static_cast<std::size_t>(n), 0.0);
-      // The normal force of the step before enters the friction of this one: n points need a few times n steps.
+      // The normal force of the step before enters the friction of this one: n points need a few
+      // times n steps.
       for (int step = 0; step < 4 * n + 60; ++step) {
         std::vector<BlockId> hold, drag;
         world.step([&](ConstraintBuilder& builder) {
@@ -233,27 +245,34 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
             const auto v = static_cast<std::size_t>(i);
             const Vec3 t = (along[v - 1] + along[v]).normalized();
             const Vec3 across = Vec3::UnitZ().cross(t);
-            const Vec3 moved = chain.position(node(i), Configuration::free) - chain.position(node(i), Configuration::current);
+            const Vec3 moved = chain.position(node(i), Configuration::free) -
+                               chain.position(node(i), Configuration::current);
             const Vec3 off = chain.position(node(i), Configuration::free) - at[v];
             MatX rows(2, 3);
             rows << across.transpose(), Vec3::UnitZ().transpose();
-            hold.push_back(builder.add<Bilateral<2>>(make_key(1, v), {}, Vec2(across.dot(off), off.z())));
+            hold.push_back(
+                builder.add<Bilateral<2>>(make_key(1, v), {}, Vec2(across.dot(off), off.z())));
             world.couple(hold.back(), chain, i, rows);
             // The drag of a chord acts along its two halves; the row is their bisector.
             const Real level = mu * lateral[v - 1] + tau0 * chord * std::cos(turn / 2);
-            drag.push_back(builder.add<PathFrictionLaw>(make_key(2, v), {.static_level = level, .kinetic = level},
-                                                        BlockVector<1>(t.dot(moved)), PathFrictionLaw::slip));
+            drag.push_back(builder.add<PathFrictionLaw>(
+                make_key(2, v), {.static_level = level, .kinetic = level},
+                BlockVector<1>(t.dot(moved)), PathFrictionLaw::slip));
             world.couple(drag.back(), chain, i, t.transpose());
           }
         });
         const SolvedBlocks solved(world.problem);
-        for (int i = 0; i < n; ++i) lateral[static_cast<std::size_t>(i)] = solved.lambda(hold[static_cast<std::size_t>(i)]).norm();
+        for (int i = 0; i < n; ++i)
+          lateral[static_cast<std::size_t>(i)] =
+              solved.lambda(hold[static_cast<std::size_t>(i)]).norm();
       }
       const Vec3 last = chain.x.segment<3>(3 * (n + 1)) - chain.x.segment<3>(3 * n);
       const Real T_out = k * (along.back().dot(last) - chord);
       const Real expected = table.number(row, "n=" + std::to_string(n) + (n == 5 ? " points" : ""));
-      // The table has ten digits. The chain creeps by the elastic strain while it slides: T / k = 1e-5 of a chord.
-      EXPECT_NEAR(T_out, expected, 1e-6 + 1e-5 * expected) << table.rows[row][0] << " " << mu << " " << tau0 << " n " << n;
+      // The table has ten digits. The chain creeps by the elastic strain while it slides: T / k =
+      // 1e-5 of a chord.
+      EXPECT_NEAR(T_out, expected, 1e-6 + 1e-5 * expected)
+          << table.rows[row][0] << " " << mu << " " << tau0 << " n " << n;
     }
   }
 }

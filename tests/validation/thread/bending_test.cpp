@@ -9,8 +9,8 @@
 namespace sutura::thread {
 namespace {
 
-/// As thread N but ten times thinner with the same EI: extension and shear, absent from the references,
-/// are reduced to EI/(EA L^2) = 5.6e-8.
+/// As thread N but ten times thinner with the same EI: extension and shear, absent from the
+/// references, are reduced to EI/(EA L^2) = 5.6e-8.
 Section inextensible() {
   Section s = nylon();
   s.radius /= 10;
@@ -42,8 +42,8 @@ TEST(EndMoment, OneAndTwoTurns) {
       tips[load_steps > 1] = rod.poses(Configuration::current).back().position / length;
     }
     const Vec3 expected(table.number(i, "x_tip_over_L"), table.number(i, "y_tip_over_L"), 0);
-    // 32 beams of a circle: bending is exact, the chord of an arc to theta^4/1920, theta = 2 pi/32 per
-    // turn: 8e-7 (1.2e-5 at two turns). Asked: 5e-3.
+    // 32 beams of a circle: bending is exact, the chord of an arc to theta^4/1920, theta = 2 pi/32
+    // per turn: 8e-7 (1.2e-5 at two turns). Asked: 5e-3.
     EXPECT_LT((tips[0] - expected).norm(), 2e-5) << turns << " turns";
     EXPECT_LT((tips[0] - tips[1]).norm(), 1e-6) << turns << " turns: path matters";
   }
@@ -64,8 +64,8 @@ TEST(HeavyCantilever, RestsOnTheElastica) {
     const Vec3 tip = rod.poses(Configuration::current).back().position / length;
     const Real error = std::hypot(-tip.z() - table.number(i, "drop_over_L"),
                                   tip.x() - table.number(i, "x_tip_over_L"));
-    // Fourth order: a beam at the root turns by up to 1 rad at gamma 200 (19.6/20) and by 0.2 rad at
-    // gamma 10; asked of 20 beams: 5e-3.
+    // Fourth order: a beam at the root turns by up to 1 rad at gamma 200 (19.6/20) and by 0.2 rad
+    // at gamma 10; asked of 20 beams: 5e-3.
     EXPECT_LT(error, gamma > 20 ? 1e-3 : 1e-4) << "gamma " << gamma;
   }
 }
@@ -73,7 +73,8 @@ TEST(HeavyCantilever, RestsOnTheElastica) {
 /// Hangs a rod between two clamps (or pins) at distance `span`, from a rough start.
 Rod hanging(const Section& s, Index beams, Real span, Real g, bool pinned) {
   RodLayout layout = straight_layout(length, beams, s);
-  // A cosine as deep as the length allows: L^2 = span^2 + (2.5 sag)^2 is close enough to start from.
+  // A cosine as deep as the length allows: L^2 = span^2 + (2.5 sag)^2 is close enough to start
+  // from.
   const Real sag = std::sqrt(length * length - span * span) / 2.2;
   for (Index i = 0; i <= beams; ++i) {
     const Real u = static_cast<Real>(i) / static_cast<Real>(beams);
@@ -96,7 +97,8 @@ Rod hanging(const Section& s, Index beams, Real span, Real g, bool pinned) {
     rod.clamp(0);
     rod.clamp(beams);
   }
-  const Real force = std::max(s.density * s.area() * length * g, s.bending_stiffness() / (length * length));
+  const Real force =
+      std::max(s.density * s.area() * length * g, s.bending_stiffness() / (length * length));
   const auto report = rod.equilibrium(Vec3(0, 0, -g), VecX::Zero(rod.dofs()), 1e-5 * force, 400);
   EXPECT_TRUE(report.converged) << "span " << span << ", residual " << report.residual / force;
   return rod;
@@ -120,7 +122,8 @@ TEST(Catenary, FiftyBeams) {
   const ReferenceTable table("a12a_catenary.csv");
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Real span = table.number(i, "span/L");
-    if (span < 0.25 || span > 0.95) continue;  // the nearly vertical and nearly straight ends: below
+    if (span < 0.25 || span > 0.95)
+      continue;  // the nearly vertical and nearly straight ends: below
     Section s = inextensible();
     s.bending_factor = 1e-6;  // sqrt(EI/H) below 2e-3 of L
     const Real g = 1e2;
@@ -137,7 +140,8 @@ TEST(Catenary, FiftyBeams) {
 }
 
 TEST(Card, SutureCantileverAtRest) {
-  // L 0.2 m, r 0.15 mm, E 1 GPa, rho 1300, nu 0.3; exact heavy elastica at rest (94.596, -163.283) mm.
+  // L 0.2 m, r 0.15 mm, E 1 GPa, rho 1300, nu 0.3; exact heavy elastica at rest (94.596, -163.283)
+  // mm.
   const Section s{.radius = 0.15e-3, .young = 1e9, .poisson = 0.3, .density = 1300};
   Rod rod;
   rod.build(straight_layout(0.2, 50, s));

@@ -11,8 +11,8 @@ namespace {
 
 constexpr Real length = 0.1;
 
-/// A thread of the same EI, ten times thinner: extension and shear (EI/(EA L^2) = 5.6e-6 of thread N)
-/// reduced to 5.6e-8, as the reference has none.
+/// A thread of the same EI, ten times thinner: extension and shear (EI/(EA L^2) = 5.6e-6 of thread
+/// N) reduced to 5.6e-8, as the reference has none.
 Section inextensible() {
   Section s = nylon();
   s.radius /= 10;
@@ -42,7 +42,8 @@ TEST(Elastica, ThirtyTwoBeamsAtEveryLoad) {
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Real load = table.number(i, "PL2_over_EI");
     const Real w = table.number(i, "w_over_L"), u = table.number(i, "u_over_L");
-    // Target: 1e-4 of L up to load 10, 5e-6 up to load 1, for the thread as it is, extension included.
+    // Target: 1e-4 of L up to load 10, 5e-6 up to load 1, for the thread as it is, extension
+    // included.
     const Real limit = load <= 1 ? 5e-6 : 1e-4;
     EXPECT_LT(tip_error(nylon(), 32, load, w, u), limit) << "load " << load;
   }

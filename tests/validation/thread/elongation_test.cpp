@@ -20,8 +20,8 @@ struct SceneRun {
     registry.component<SutureThread>("SutureThread");
     registry.component<Elongation>("Elongation");
     registry.end_plugin();
-    auto scene = load_scene_text("<sutura version=\"1\" " + body + "</sutura>", "test.xml", ".", registry,
-                                 diagnostics);
+    auto scene = load_scene_text("<sutura version=\"1\" " + body + "</sutura>", "test.xml", ".",
+                                 registry, diagnostics);
     for (const Diagnostic& d : diagnostics.all()) ADD_FAILURE() << d.text();
     if (scene) simulation = Simulation::compile(std::move(scene), ".", diagnostics);
   }
@@ -32,10 +32,14 @@ struct SceneRun {
 };
 
 std::string hanging(Real dt, const std::string& limit) {
-  return "dt=\"" + std::to_string(dt) + "\"> <plugin name=\"thread\"/>"
-         "<SutureThread name=\"suture\" needle_length=\"0\" tip_direction=\"0 0 1\" plane_normal=\"0 1 0\""
-         " thread_length=\"50 mm\" thread_beams=\"20\" thread_young=\"10 MPa\" thread_density=\"200000\""
-         " clamp=\"start\"/>" + limit;
+  return "dt=\"" + std::to_string(dt) +
+         "\"> <plugin name=\"thread\"/>"
+         "<SutureThread name=\"suture\" needle_length=\"0\" tip_direction=\"0 0 1\" "
+         "plane_normal=\"0 1 0\""
+         " thread_length=\"50 mm\" thread_beams=\"20\" thread_young=\"10 MPa\" "
+         "thread_density=\"200000\""
+         " clamp=\"start\"/>" +
+         limit;
 }
 
 TEST(Elongation, HoldsTheLimitAtAnyStep) {
@@ -55,8 +59,9 @@ TEST(Elongation, HoldsTheLimitAtAnyStep) {
       }
       longest = std::max(longest, arc / length - 1);
     }
-    // Strain without the limit: rho g x/E = 0.98 % at the top, 0.49 % on average; beams in the lowest tenth stay
-    // below 0.1 %. So the mean is 0.1 % less the slack part: between 0.09 and 0.1 %. Asked: 1e-6 of L.
+    // Strain without the limit: rho g x/E = 0.98 % at the top, 0.49 % on average; beams in the
+    // lowest tenth stay below 0.1 %. So the mean is 0.1 % less the slack part: between 0.09 and 0.1
+    // %. Asked: 1e-6 of L.
     EXPECT_LE(longest, 1e-3 + 1e-6) << dt;
     EXPECT_GT(longest, 0.9e-3) << dt;
   }
@@ -75,16 +80,21 @@ TEST(Elongation, WithoutItTheThreadStretches) {
 
 TEST(Elongation, IsAbsentWhileTheThreadIsBent) {
   // A cantilever of the same thread, stiff enough along its axis: its bending makes no rows.
-  SceneRun run("dt=\"0.01\"> <plugin name=\"thread\"/> <SutureThread name=\"suture\" needle_length=\"0\""
-          " tip_direction=\"-1 0 0\" thread_length=\"100 mm\" thread_beams=\"30\" clamp=\"start\"/>"
-          " <Elongation name=\"limit\" limit=\"0.001\"/>");
+  SceneRun run(
+      "dt=\"0.01\"> <plugin name=\"thread\"/> <SutureThread name=\"suture\" needle_length=\"0\""
+      " tip_direction=\"-1 0 0\" thread_length=\"100 mm\" thread_beams=\"30\" clamp=\"start\"/>"
+      " <Elongation name=\"limit\" limit=\"0.001\"/>");
   ASSERT_TRUE(run.simulation);
   for (int i = 0; i < 200; ++i) {
     run.simulation->step();
     EXPECT_EQ(run.component<Elongation>("/limit").active(), 0) << i;
   }
   // It hangs: 4-0 polypropylene of 100 mm has a gravity number of 3.1 and drops by about a third.
-  EXPECT_LT(run.component<SutureThread>("/suture").rod().poses(Configuration::current).back().position.z(),
+  EXPECT_LT(run.component<SutureThread>("/suture")
+                .rod()
+                .poses(Configuration::current)
+                .back()
+                .position.z(),
             -0.03);
 }
 

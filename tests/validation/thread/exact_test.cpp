@@ -25,8 +25,9 @@ void expect_free_fall(const RodLayout& layout, Real tolerance) {
     const Vec3 fall(0, 0, table.number(i, "x after 1 s implicit Euler"));
     Real worst = 0;
     for (Index n = 0; n < rod.nodes(); ++n)
-      worst = std::max(worst, (rod.poses(Configuration::current)[n].position -
-                               layout.start[n].position - fall).norm());
+      worst = std::max(
+          worst,
+          (rod.poses(Configuration::current)[n].position - layout.start[n].position - fall).norm());
     EXPECT_LT(worst, tolerance) << "h " << h;
   }
 }
@@ -37,19 +38,22 @@ TEST(FreeFall, ThreadFollowsTheIntegratorExactly) {
 }
 
 TEST(FreeFall, NeedleAndThreadFallTogether) {
-  const SutureShape shape{.needle_length = 26e-3, .needle_angle = std::numbers::pi, .thread_length = 0.1};
+  const SutureShape shape{
+      .needle_length = 26e-3, .needle_angle = std::numbers::pi, .thread_length = 0.1};
   RodLayout layout;
   for (Index i = 0; i <= 62; ++i) {
-    const Real s = i <= 12 ? 26e-3 * static_cast<Real>(i) / 12 : 26e-3 + 2e-3 * static_cast<Real>(i - 12);
+    const Real s =
+        i <= 12 ? 26e-3 * static_cast<Real>(i) / 12 : 26e-3 + 2e-3 * static_cast<Real>(i - 12);
     layout.abscissa.push_back(s);
     layout.rest.push_back(shape.rest(s));
     if (i < 62)
       layout.sections.push_back(
-          i < 12 ? Section{.radius = 0.325e-3, .young = 190e9, .poisson = 0.3, .density = 7850} : nylon());
+          i < 12 ? Section{.radius = 0.325e-3, .young = 190e9, .poisson = 0.3, .density = 7850}
+                 : nylon());
   }
   layout.start = layout.rest;
-  // A node near 5 m is rounded to 1e-15 m, which over a 2 mm beam of steel (EA 63 kN) is a force of 3e-8 N,
-  // 1e-4 of the needle's weight and of random direction in every step.
+  // A node near 5 m is rounded to 1e-15 m, which over a 2 mm beam of steel (EA 63 kN) is a force of
+  // 3e-8 N, 1e-4 of the needle's weight and of random direction in every step.
   expect_free_fall(layout, 1e-9);
 }
 
@@ -89,8 +93,8 @@ TEST(NeedleThread, StiffnessRatioDoesNotHurtTheSolve) {
       rod.build(layout);
       rod.clamp(0);
       const Real expected = table.number(i, "tip deflection m");
-      // The cubic beam is exact at its nodes: only rounding, amplified by the condition of the chain.
-      // The reference is printed with ten digits.
+      // The cubic beam is exact at its nodes: only rounding, amplified by the condition of the
+      // chain. The reference is printed with ten digits.
       EXPECT_NEAR(linear_deflection(rod, table.number(i, "tip load N")), expected, 1e-8 * expected)
           << beams << " beams";
     }
@@ -119,9 +123,12 @@ TEST(Torsion, IsExactBeyondTurns) {
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     Section s;
     const std::string& rod_name = table.text(i, "rod");
-    if (rod_name == "nylon 2-0") s = nylon();
-    else if (rod_name == "polypropylene 4-0") s = {.radius = 0.0875e-3, .young = 1.5e9, .poisson = 0.4, .density = 910};
-    else s = {.radius = 0.3e-3, .young = 190e9, .poisson = 0.3, .density = 7850};
+    if (rod_name == "nylon 2-0")
+      s = nylon();
+    else if (rod_name == "polypropylene 4-0")
+      s = {.radius = 0.0875e-3, .young = 1.5e9, .poisson = 0.4, .density = 910};
+    else
+      s = {.radius = 0.3e-3, .young = 190e9, .poisson = 0.3, .density = 7850};
     ASSERT_NEAR(s.torsion_stiffness(), table.number(i, "GJ N m2"), 1e-9 * s.torsion_stiffness());
     const Real torque = table.number(i, "end torque N m");
     for (const Index beams : {4, 10}) {

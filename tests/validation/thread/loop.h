@@ -1,10 +1,12 @@
-// A 300 mm thread pulled into a loop, apex in the middle: exact solution, rods, errors. For test and benchmark.
+// A 300 mm thread pulled into a loop, apex in the middle: exact solution, rods, errors. For test
+// and benchmark.
 //
-// Plane elastica under a tension T (the separatrix of EI theta'' = T sin(theta)), l = sqrt(EI/T), u = s/l:
+// Plane elastica under a tension T (the separatrix of EI theta'' = T sin(theta)), l = sqrt(EI/T), u
+// = s/l:
 //   theta = 4 atan(exp(u)), x = s - 2 l tanh(u), y = -2 l (1 - 1/cosh(u)), all from the apex.
-// End shortening 4 l, largest curvature 2/l, height 2 l: tests/reference/a10c_planar_loop.csv. In space a plane loop is
-// stable only if its middle is kept from turning over; the middle section is clamped, where by symmetry the
-// exact loop needs no force.
+// End shortening 4 l, largest curvature 2/l, height 2 l: tests/reference/a10c_planar_loop.csv. In
+// space a plane loop is stable only if its middle is kept from turning over; the middle section is
+// clamped, where by symmetry the exact loop needs no force.
 #pragma once
 
 #include <algorithm>
@@ -21,10 +23,15 @@ constexpr Real tight = 2e-3;  ///< l of the loop asked for: radius l/2 = 1 mm
 
 /// A braid, size 4-0: its extension and shear are 2e-5 in the tightest loop.
 inline Section braid() {
-  return {.radius = 0.0875e-3, .young = 1.5e9, .poisson = 0.4, .density = 910, .bending_factor = 0.05};
+  return {
+      .radius = 0.0875e-3, .young = 1.5e9, .poisson = 0.4, .density = 910, .bending_factor = 0.05};
 }
-inline Pose rest(Real s) { return {Vec3(s, 0, 0), Quat::Identity()}; }
-inline Real tension(Real l) { return braid().bending_stiffness() / (l * l); }
+inline Pose rest(Real s) {
+  return {Vec3(s, 0, 0), Quat::Identity()};
+}
+inline Real tension(Real l) {
+  return braid().bending_stiffness() / (l * l);
+}
 
 /// Section of the exact loop, apex at the origin.
 inline Pose pose(Real s, Real l) {
@@ -33,9 +40,9 @@ inline Pose pose(Real s, Real l) {
           Quat(Eigen::AngleAxis<Real>(4 * std::atan(std::exp(u)), Vec3::UnitZ()))};
 }
 
-/// Extension and shear push the ends apart by this, to first order: minus the derivative with respect to T of the
-/// complementary energy T^2/2 (c (L - 8 l/3) + g 8 l/3), integrals of cos^2 and sin^2 of theta. T c = 2e-5, so the
-/// second order is below 1e-9 of L.
+/// Extension and shear push the ends apart by this, to first order: minus the derivative with
+/// respect to T of the complementary energy T^2/2 (c (L - 8 l/3) + g 8 l/3), integrals of cos^2 and
+/// sin^2 of theta. T c = 2e-5, so the second order is below 1e-9 of L.
 inline Real stretch(Real l) {
   const Real c = 1 / braid().axial_stiffness(), g = 1 / braid().shear_stiffness(), T = tension(l);
   return T * c * length + 2 * (g - c) * T * l;
@@ -49,7 +56,8 @@ inline Index middle_node(const Rod& rod) {
 /// Uniform beams (an even number) laid along the exact loop, middle clamped.
 inline Rod laid_out(Index beams, Real l) {
   RodLayout layout = straight_layout(length, beams, braid());
-  for (std::size_t i = 0; i < layout.start.size(); ++i) layout.start[i] = pose(layout.abscissa[i], l);
+  for (std::size_t i = 0; i < layout.start.size(); ++i)
+    layout.start[i] = pose(layout.abscissa[i], l);
   Rod rod;
   rod.build(layout);
   rod.clamp(beams / 2);
@@ -61,7 +69,8 @@ inline bool pull(Rod& rod, Real l, int* iterations = nullptr) {
   VecX load = VecX::Zero(rod.dofs());
   load[0] = -tension(l);
   load[6 * rod.nodes() - 6] = tension(l);
-  // Rounding of EA leaves 1e-13 N; 1e-8 of the tension of the tight loop, whose shortening goes with its root.
+  // Rounding of EA leaves 1e-13 N; 1e-8 of the tension of the tight loop, whose shortening goes
+  // with its root.
   const auto report = rod.equilibrium(Vec3::Zero(), load, 1e-8 * tension(tight));
   if (iterations) *iterations += report.iterations;
   return report.converged;
@@ -108,7 +117,8 @@ inline bool pull_tight(Rod& rod, Real angle) {
   return true;
 }
 
-/// Relative to the exact loop. Height: moment in the middle over T. Curvature: of the cubics that meet there.
+/// Relative to the exact loop. Height: moment in the middle over T. Curvature: of the cubics that
+/// meet there.
 struct Errors {
   Real shortening = 0, height = 0, curvature = 0;
   bool below(const Errors& o) const {

@@ -1,4 +1,5 @@
-// A 300 mm thread pulled into a loop of 1 mm radius: adaptive against uniform sampling, at rest and in motion.
+// A 300 mm thread pulled into a loop of 1 mm radius: adaptive against uniform sampling, at rest and
+// in motion.
 #include "loop.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +20,8 @@ TEST(Loop, ClosedFormIsTheTable) {
     EXPECT_NEAR(table.number(i, "loop height m"), 2 * l, 1e-9 * l);
   }
   const Real l = tight, far = middle;
-  EXPECT_NEAR(pose(middle + far, l).position.x() - pose(middle - far, l).position.x(), length - 4 * l, 1e-15);
+  EXPECT_NEAR(pose(middle + far, l).position.x() - pose(middle - far, l).position.x(),
+              length - 4 * l, 1e-15);
   EXPECT_NEAR(pose(length, l).position.y(), -2 * l, 1e-15);
 }
 
@@ -29,9 +31,10 @@ TEST(Loop, UniformBeamsConvergeToIt) {
     Rod rod = laid_out(beams, tight);
     ASSERT_TRUE(pull(rod, tight)) << beams;
     const Errors now = errors(rod, tight);
-    std::printf("uniform, %td beams: shortening %.1e, height %.1e, curvature %.1e\n", static_cast<std::ptrdiff_t>(beams),
-                now.shortening, now.height, now.curvature);
-    // Fourth order; 0.5 mm beams of 1 rad at the apex are not yet where it sets in. The cubic has curvature to second.
+    std::printf("uniform, %td beams: shortening %.1e, height %.1e, curvature %.1e\n",
+                static_cast<std::ptrdiff_t>(beams), now.shortening, now.height, now.curvature);
+    // Fourth order; 0.5 mm beams of 1 rad at the apex are not yet where it sets in. The cubic has
+    // curvature to second.
     if (beams > 300) {
       EXPECT_GT(std::log2(before.shortening / now.shortening), 3);
       EXPECT_GT(std::log2(before.height / now.height), 3);
@@ -46,14 +49,17 @@ TEST(Loop, AdaptiveNeedsFourTimesFewerBeams) {
     Rod adaptive;
     ASSERT_TRUE(pull_tight(adaptive, angle)) << angle;
     const Errors a = errors(adaptive, tight);
-    // Asked: the accuracy of uniform sampling with at least four times fewer beams. Beams in pairs: a node at the apex.
+    // Asked: the accuracy of uniform sampling with at least four times fewer beams. Beams in pairs:
+    // a node at the apex.
     const Index many = 4 * adaptive.beams() + 4 * adaptive.beams() % 2;
     Rod uniform = laid_out(many, tight);
     ASSERT_TRUE(pull(uniform, tight)) << many;
     const Errors u = errors(uniform, tight);
-    std::printf("%.1f rad, %td beams: shortening %.1e, height %.1e, curvature %.1e; %td uniform: %.1e, %.1e, %.1e\n", angle,
-                static_cast<std::ptrdiff_t>(adaptive.beams()), a.shortening, a.height, a.curvature,
-                static_cast<std::ptrdiff_t>(many), u.shortening, u.height, u.curvature);
+    std::printf(
+        "%.1f rad, %td beams: shortening %.1e, height %.1e, curvature %.1e; %td uniform: %.1e, "
+        "%.1e, %.1e\n",
+        angle, static_cast<std::ptrdiff_t>(adaptive.beams()), a.shortening, a.height, a.curvature,
+        static_cast<std::ptrdiff_t>(many), u.shortening, u.height, u.curvature);
     EXPECT_TRUE(a.below(u)) << angle;
   }
 }
@@ -96,8 +102,9 @@ TEST(Loop, SamplingFollowsAThreadPulledTightAndLetGo) {
     for (Index k = 0; k < rod.nodes(); ++k)
       fastest = std::max(fastest, rod.velocity().segment<3>(6 * k).norm());
     if (i == half - 1) {
-      // Between ends at this distance the tension goes with the square of the shortening, whose error at rest with 0.2 rad
-      // is 2e-5 (above); the shaking moves a loop of this stiffness by less.
+      // Between ends at this distance the tension goes with the square of the shortening, whose
+      // error at rest with 0.2 rad is 2e-5 (above); the shaking moves a loop of this stiffness by
+      // less.
       EXPECT_NEAR(rod.springs()[1].applied.force.x() / tension(tight), 1, 1e-4);
       EXPECT_LT(errors(rod, tight).height, 1e-4);
       EXPECT_LT(errors(rod, tight).curvature, 0.01);
@@ -112,7 +119,8 @@ TEST(Loop, SamplingFollowsAThreadPulledTightAndLetGo) {
   EXPECT_GT(events, 20);
   EXPECT_LT(most, 120);      // no runaway
   EXPECT_LT(fastest, 0.05);  // m/s; the ends and the top move at 0.02
-  // Wide again, curvature at most 100/m: beams have merged as long as two together stayed below 0.1 rad.
+  // Wide again, curvature at most 100/m: beams have merged as long as two together stayed below 0.1
+  // rad.
   EXPECT_GT(Lengths(rod, 2 * tight, false).shortest, 0.5e-3);
 }
 

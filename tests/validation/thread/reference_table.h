@@ -27,12 +27,17 @@ struct ReferenceTable {
       std::string cell;
       bool quoted = false;
       for (const char c : line + ",") {
-        if (c == '"') quoted = !quoted;
-        else if (c == ',' && !quoted) cells.push_back(std::exchange(cell, {}));
-        else if (c != '\r') cell += c;
+        if (c == '"')
+          quoted = !quoted;
+        else if (c == ',' && !quoted)
+          cells.push_back(std::exchange(cell, {}));
+        else if (c != '\r')
+          cell += c;
       }
-      if (names.empty()) names = cells;
-      else rows.push_back(cells);
+      if (names.empty())
+        names = cells;
+      else
+        rows.push_back(cells);
     }
   }
   std::size_t column(const std::string& name) const {

@@ -44,11 +44,19 @@ TEST(CriticalLoad, EulerColumns) {
   const std::pair<const char*, Fix> cases[] = {
       {"Euler clamped-free", [&](BlockTridiagonal& m, Index) { fix(m, 0, clamp); }},
       {"Euler pinned-pinned",
-       [](BlockTridiagonal& m, Index last) { fix(m, 0, {0, 1, 2, 3}); fix(m, last, {1, 2}); }},
+       [](BlockTridiagonal& m, Index last) {
+         fix(m, 0, {0, 1, 2, 3});
+         fix(m, last, {1, 2});
+       }},
       {"Euler clamped-pinned",
-       [&](BlockTridiagonal& m, Index last) { fix(m, 0, clamp); fix(m, last, {1, 2}); }},
-      {"Euler clamped-clamped",
-       [&](BlockTridiagonal& m, Index last) { fix(m, 0, clamp); fix(m, last, {1, 2, 3, 4, 5}); }}};
+       [&](BlockTridiagonal& m, Index last) {
+         fix(m, 0, clamp);
+         fix(m, last, {1, 2});
+       }},
+      {"Euler clamped-clamped", [&](BlockTridiagonal& m, Index last) {
+         fix(m, 0, clamp);
+         fix(m, last, {1, 2, 3, 4, 5});
+       }}};
   for (const auto& [name, ends] : cases) {
     const Real critical = reference(name);
     // Asked: 1 %. 20 cubic beams are exact to 1e-6, the shortening before buckling adds 1e-4.
@@ -61,7 +69,8 @@ TEST(CriticalLoad, UprightUnderItsWeight) {
   const Real critical = reference("self-weight");
   for (const Real factor : {0.995, 1.005}) {
     const Section s = nylon();
-    const Real g = factor * critical * s.bending_stiffness() / (s.density * s.area() * std::pow(length, 3));
+    const Real g =
+        factor * critical * s.bending_stiffness() / (s.density * s.area() * std::pow(length, 3));
     Rod rod;
     rod.build(straight_layout(length, 20, s, Vec3::UnitZ()));
     rod.clamp(0);
@@ -73,9 +82,9 @@ TEST(CriticalLoad, UprightUnderItsWeight) {
   }
 }
 
-/// A straight rod closed to a ring and glued after a twist: does it stay flat? A clamp at the joint takes away
-/// the rigid motions. (A round rod keeps one neutral motion, the ring turning about the clamp's tangent
-/// while its sections roll, so the sign of the tangent alone does not tell.)
+/// A straight rod closed to a ring and glued after a twist: does it stay flat? A clamp at the joint
+/// takes away the rigid motions. (A round rod keeps one neutral motion, the ring turning about the
+/// clamp's tangent while its sections roll, so the sign of the tangent alone does not tell.)
 bool ring_stays_flat(const Section& s, Index beams, Real total_twist) {
   RodLayout layout = straight_layout(length, beams, s);
   const Real radius = length / (2 * std::numbers::pi);

@@ -51,14 +51,15 @@ TEST(Vibration, FrequenciesOfTenBeams) {
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(bending.K, bending.M);
     const Real unit = std::sqrt(s.bending_stiffness() / (s.density * s.area())) / (length * length);
     const Real expected = table.number(i, "w*sqrt(rho A L^4/EI)");
-    // Asked: 1 %. Consistent mass on 10 cubic beams: (beta L/10)^4/720 = 2e-3 at beta L = 10.2, half of
-    // it in frequency.
+    // Asked: 1 %. Consistent mass on 10 cubic beams: (beta L/10)^4/720 = 2e-3 at beta L = 10.2,
+    // half of it in frequency.
     EXPECT_NEAR(std::sqrt(eigen.eigenvalues()[mode - 1]) / unit, expected, 2e-3 * expected)
         << ends << ", mode " << mode;
   }
 }
 
-/// |l| and angle per step of a mode started at small amplitude, from four successive steps of the rod.
+/// |l| and angle per step of a mode started at small amplitude, from four successive steps of the
+/// rod.
 struct Decay {
   Real size, angle;
   Decay(Rod& rod, Real h, int mode) {
@@ -68,17 +69,21 @@ struct Decay {
     const Real amplitude = 1e-7 / shape.cwiseAbs().maxCoeff();  // 0.1 um or urad: linear
     for (std::size_t i = 0; i < bending.dofs.size(); ++i) {
       Pose& p = rod.state()[static_cast<std::size_t>(bending.dofs[i] / 6)];
-      if (bending.dofs[i] % 6 == 2) p.position.z() += amplitude * shape[i];
-      else p.rotation = rotated(p.rotation, Vec3(0, amplitude * shape[i], 0));
+      if (bending.dofs[i] % 6 == 2)
+        p.position.z() += amplitude * shape[i];
+      else
+        p.rotation = rotated(p.rotation, Vec3(0, amplitude * shape[i], 0));
     }
     const VecX test = bending.M * shape;
     Real q[4];
     for (Real& value : q) {
       value = 0;
       for (std::size_t i = 0; i < bending.dofs.size(); ++i) {
-        const Pose& p = rod.poses(Configuration::current)[static_cast<std::size_t>(bending.dofs[i] / 6)];
-        value += test[static_cast<Index>(i)] * (bending.dofs[i] % 6 == 2
-                     ? p.position.z() : rotation_between(Quat::Identity(), p.rotation).y());
+        const Pose& p =
+            rod.poses(Configuration::current)[static_cast<std::size_t>(bending.dofs[i] / 6)];
+        value += test[static_cast<Index>(i)] *
+                 (bending.dofs[i] % 6 == 2 ? p.position.z()
+                                           : rotation_between(Quat::Identity(), p.rotation).y());
       }
       EXPECT_TRUE(rod.free_motion(h, Vec3::Zero()));
       rod.correct(h, VecX::Zero(rod.dofs()));
@@ -104,9 +109,11 @@ TEST(Vibration, ImplicitEulerDecaysAsPredicted) {
     const Decay d(rod, h, mode);
     // Asked: 1 %.
     EXPECT_NEAR(d.size, table.number(i, "amplification per step"),
-                0.01 * table.number(i, "amplification per step")) << "mode " << mode << ", h " << h;
+                0.01 * table.number(i, "amplification per step"))
+        << "mode " << mode << ", h " << h;
     EXPECT_NEAR(d.angle / (2 * std::numbers::pi * h), table.number(i, "f apparent Hz"),
-                0.01 * table.number(i, "f apparent Hz")) << "mode " << mode << ", h " << h;
+                0.01 * table.number(i, "f apparent Hz"))
+        << "mode " << mode << ", h " << h;
   }
 }
 
@@ -114,7 +121,8 @@ TEST(Vibration, RayleighDampingAsPredicted) {
   // |l|^2 = 1/(1 + c h + w^2 h^2), c = alpha + beta w^2; first mode of thread N, 50 mm.
   const Real w = 2 * std::numbers::pi * 22.23589993;
   for (const Real h : {1e-3, 5e-3, 20e-3})
-    for (const auto& [alpha, beta] : {std::pair{0., 2e-3}, std::pair{30., 0.}, std::pair{10., 1e-3}}) {
+    for (const auto& [alpha, beta] :
+         {std::pair{0., 2e-3}, std::pair{30., 0.}, std::pair{10., 1e-3}}) {
       Rod rod;
       rod.build(straight_layout(0.05, 20, nylon()));
       rod.clamp(0);
