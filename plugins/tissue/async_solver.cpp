@@ -40,7 +40,8 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   report_.adopted_at = adopted;
 
   adopt_what_is_due();
-  if (!current_) factorise_here();
+  if (!current_ || renew_) factorise_here();
+  renew_ = false;
   if (!in_flight_ && wants_new_factor()) {
     auto job = take_snapshot();
     in_flight_ = job->snapshot;
