@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cutting.h"
+#include "footprint.h"
 #include "path_friction.h"
 #include "suture_path.h"
 
@@ -28,6 +29,7 @@ class Puncture : public Component, public ConstraintSource {
   Front find_layer();
   void begin_bite();
   void follow_front();
+  Real threshold_of_front() const;
   bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
@@ -38,11 +40,13 @@ class Puncture : public Component, public ConstraintSource {
   std::vector<Real> regions_;
   std::vector<Real> region_thresholds_;
   Real friction_ = 0.2;
+  Real tip_radius_ = 0;  ///< 0: that of the needle
   Real reach_ = 1e-3;
   Index source_id_ = 0;
 
   Front front_ = Front::none;
   bool blocked_ = false;   ///< the front holds the tip from the inside
+  Footprint footprint_;
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
   int region_ = 0;        ///< of the layer the tip has got into
   BlockId block_;
