@@ -71,6 +71,7 @@ class SutureThread : public Component, public CurveBody {
 
  private:
   void build();
+  void doubt_sizes(Setup& setup) const;
   std::vector<Real> node_abscissae() const;
   Section section(Real s) const;
   void resample();
