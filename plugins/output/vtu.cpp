@@ -2,8 +2,10 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <new>
 
@@ -40,6 +42,16 @@ std::string compressed(const unsigned char* bytes, std::size_t size) {
   return out;
 }
 
+/// Seven digits are enough to look at a field and halve its file. Not for numbers out of the range
+/// of single precision, and not for tags that it would round.
+bool is_enough_in_single(const std::vector<Real>& values) {
+  constexpr Real largest_whole = 1 << 24, largest = 3e38;
+  return std::all_of(values.begin(), values.end(), [](Real x) {
+    const Real size = std::abs(x);
+    return !(size >= largest_whole) || (size < largest && x != std::floor(x)) || !std::isfinite(x);
+  });
+}
+
 class Writer {
  public:
   template <class T>
@@ -58,7 +70,11 @@ class Writer {
     const char* tag = on_cells ? "CellData" : "PointData";
     text += "<" + std::string(tag) + ">\n";
     for (const BodyGeometry::Field& f : grid.fields) {
-      if (f.on_cells == on_cells) array("Float64", f.name, f.components, f.values);
+      if (f.on_cells != on_cells) continue;
+      if (is_enough_in_single(f.values))
+        array("Float32", f.name, f.components, std::vector<float>(f.values.begin(), f.values.end()));
+      else
+        array("Float64", f.name, f.components, f.values);
     }
     text += "</" + std::string(tag) + ">\n";
   }
@@ -160,11 +176,13 @@ std::string vtu_text(const VtuGrid& grid, Real time) {
   for (const Vec3& p : grid.points) coordinates.insert(coordinates.end(), p.data(), p.data() + 3);
   w.array("Float64", "Points", 3, coordinates);
   w.text += "</Points>\n<Cells>\n";
-  w.array("Int64", "connectivity", 1,
-          std::vector<std::int64_t>(grid.connectivity.begin(), grid.connectivity.end()));
-  std::vector<std::int64_t> offsets(cells);
-  for (std::size_t i = 0; i < cells; ++i) offsets[i] = nodes * static_cast<std::int64_t>(i + 1);
-  w.array("Int64", "offsets", 1, offsets);
+  // 32 bits: more nodes than that are no scene of ours, and check() has looked at the indices.
+  w.array("Int32", "connectivity", 1,
+          std::vector<std::int32_t>(grid.connectivity.begin(), grid.connectivity.end()));
+  std::vector<std::int32_t> offsets(cells);
+  for (std::size_t i = 0; i < cells; ++i)
+    offsets[i] = static_cast<std::int32_t>(nodes * static_cast<std::int64_t>(i + 1));
+  w.array("Int32", "offsets", 1, offsets);
   w.array("UInt8", "types", 1,
           std::vector<std::uint8_t>(cells, static_cast<std::uint8_t>(grid.cell)));
   w.text += "</Cells>\n";

@@ -42,7 +42,7 @@ void Grasper::describe(Describe<Grasper>& d) {
   d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
            [](const Grasper& g) -> Vec3 { return g.wrench().moment; });
   d.output("holding", "1", "1 while the jaws are closed, else 0.",
-           [](const Grasper& g) -> Real { return g.holding() ? 1 : 0; });
+           [](const Grasper& g) -> Real { return g.closed() ? 1 : 0; });
   d.output("target", "m", "Where the jaws want the section; where they let go while they are open.",
            [](const Grasper& g) -> Vec3 { return g.target_.position; });
 }
@@ -64,10 +64,11 @@ void Grasper::initialise(Setup& setup) {
 }
 
 void Grasper::drive(const StepContext& context) {
-  const Index events = schedule_.events_until(context.time, 1e-6 * context.dt);
+  const Index events =
+      told_ ? Index{*told_} : schedule_.events_until(context.time, 1e-6 * context.dt);
   const bool changed = events != events_;
   events_ = events;
-  if (!holding()) {
+  if (!closed()) {
     if (changed) body_->release_hold(hold_);
     return;
   }

@@ -46,6 +46,24 @@ void Track::initialise(Setup& setup) {
   }
   frames_ = KeyFrames(std::move(keys), centre_, easing_);
   now_ = frames_.at(0);
+  dt_ = setup.dt;
+}
+
+void Track::drive(const StepContext& context) {
+  time_ = context.end();
+  now_ = at(time_);
+}
+
+Pose Track::at(Real time) const {
+  if (!is_led_) return frames_.at(time);
+  return time > led_since_ + 0.5 * dt_ ? to_ : from_;  // half a step forgives the rounding of times
+}
+
+void Track::lead(const Pose& pose) {
+  from_ = at(time_);
+  led_since_ = time_;
+  to_ = pose;
+  is_led_ = true;
 }
 
 std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {

@@ -20,7 +20,7 @@ struct VtuArray {
   template <class T>
   std::vector<T> numbers() const {
     const std::map<std::string, std::size_t> sizes{
-        {"Float64", 8}, {"Int64", 8}, {"Int32", 4}, {"UInt8", 1}};
+        {"Float64", 8}, {"Float32", 4}, {"Int32", 4}, {"UInt8", 1}};
     if (sizes.at(type) != sizeof(T)) throw std::runtime_error("array holds " + type);
     std::vector<T> out(bytes.size() / sizeof(T));
     std::memcpy(out.data(), bytes.data(), out.size() * sizeof(T));

@@ -33,7 +33,7 @@ Diagnostics compile(const std::string& what) {
                                    what + "'/></sutura>",
                                "test.xml", ".", registry, diagnostics);
   EXPECT_TRUE(scene);
-  if (scene) EXPECT_FALSE(Simulation::compile(std::move(scene), "", diagnostics));
+  EXPECT_FALSE(scene && Simulation::compile(std::move(scene), "", diagnostics));
   return diagnostics;
 }
 
