@@ -48,7 +48,9 @@ std::string by_spelling(std::string_view name, std::span<const std::string> cand
     if (letters > longest_name || difference > allowed) continue;
     const std::size_t distance = edit_distance(name, candidate);
     if (distance > allowed) continue;
-    if (best.empty() || distance < best_distance) {
+    // As near as the best, the longer one shares more letters: 'kP' is rather kPa than km.
+    if (best.empty() || distance < best_distance ||
+        (distance == best_distance && candidate.size() > best.size())) {
       best = candidate;
       best_distance = distance;
     }

@@ -33,14 +33,22 @@ std::string nearest_in(const fs::path& folder, const fs::path& name) {
   std::vector<std::string> same_kind;
   for (const std::string& f : files)
     if (fs::path(f).extension() == name.extension()) same_kind.push_back(f);
-  std::string near = nearest_name(name.string(), same_kind);
+  const std::string near = nearest_name(name.string(), same_kind);
   if (!near.empty()) return near;
   for (const std::string& f : files)
     if (fs::path(f).stem() == name.stem()) return f;
-  near = nearest_name(name.string(), files);
-  if (!near.empty()) return near;
-  // Alone of its kind, it is what can have been meant.
-  return same_kind.size() == 1 && name.has_extension() ? same_kind.front() : std::string();
+  return nearest_name(name.string(), files);
+}
+
+/// The only file of that kind in `folder`: what else can have been meant?
+std::string alone_in(const fs::path& folder, const fs::path& name) {
+  std::string alone;
+  for (const std::string& f : entries(folder, false)) {
+    if (!name.has_extension() || fs::path(f).extension() != name.extension()) continue;
+    if (!alone.empty()) return {};
+    alone = f;
+  }
+  return alone;
 }
 
 /// The folder as written if it exists, else with each step that does not exist spelt as the nearest
@@ -78,7 +86,8 @@ std::string nearest_file(const fs::path& directory, const std::string& file) {
   for (const fs::path& folder : folders)
     if (const std::string near = nearest_in(here / folder, name); !near.empty())
       return (folder / near).string();
-  return {};
+  const std::string alone = alone_in(here / folders.front(), name);
+  return alone.empty() ? alone : (folders.front() / alone).string();
 }
 
 }  // namespace sutura
