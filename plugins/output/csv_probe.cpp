@@ -109,7 +109,7 @@ std::string CsvProbe::start(const Simulation&) {
     const HeaderOf header_of{c.name, unit.empty() || unit == "1" ? "" : " [" + unit + "]"};
     header += std::visit(header_of, c.output->read(*c.component));
   }
-  if (report_) header += ",rows,sweeps,residual,violation [m]";
+  if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
   if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
   return out_.append(header + "\n");
 }
@@ -120,7 +120,9 @@ std::string CsvProbe::record(const Simulation&, const StepReport& report) {
   for (const Column& c : columns_) row_ += std::visit(ValueOf{}, c.output->read(*c.component));
   if (report_) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
-            format_real(report.solve.residual) + "," + format_real(report.solve.violation);
+            format_real(report.solve.residual) + "," + format_real(report.violation) + "," +
+            std::to_string(report.passes) + "," + std::to_string(report.parts) + "," +
+            format_real(report.worst_imbalance().relative) + "," + (report.solved ? "1" : "0");
   }
   return out_.append(row_ + "\n");
 }

@@ -1,5 +1,7 @@
 #include "track.h"
 
+#include <algorithm>
+
 #include "key_frame_file.h"
 
 namespace sutura::tools {
@@ -56,7 +58,9 @@ void Track::drive(const StepContext& context) {
 
 Pose Track::at(Real time) const {
   if (!is_led_) return frames_.at(time);
-  return time > led_since_ + 0.5 * dt_ ? to_ : from_;  // half a step forgives the rounding of times
+  // Evenly within the step, which may be taken in parts.
+  const Real u = std::clamp((time - led_since_) / dt_, Real(0), Real(1));
+  return {from_.position + u * (to_.position - from_.position), from_.rotation.slerp(u, to_.rotation)};
 }
 
 void Track::lead(const Pose& pose) {
