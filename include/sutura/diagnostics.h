@@ -16,7 +16,8 @@ struct SourceLocation {
 
 enum class Severity { warning, error };
 
-/// Decides the exit code of the command (docs/command.md). Internal: a component broke its promises.
+/// Decides the exit code of the command (docs/command.md). Internal: a component broke its
+/// promises.
 enum class Category { scene = 2, file = 3, plugin = 6, internal = 70 };
 
 struct Diagnostic {

@@ -30,8 +30,8 @@ std::string compressed(const unsigned char* bytes, std::size_t size) {
   uLongf length = compressBound(static_cast<uLong>(size));
   Bytes packed(length);
   // With the bound as its room it can only fail for want of memory.
-  if (size > 0 && compress2(packed.data(), &length, bytes, static_cast<uLong>(size),
-                            compression_level) != Z_OK)
+  if (size > 0 &&
+      compress2(packed.data(), &length, bytes, static_cast<uLong>(size), compression_level) != Z_OK)
     throw std::bad_alloc();
   header[3] = size > 0 ? length : 0;
   const std::size_t numbers = size > 0 ? 4 : 3;
@@ -72,7 +72,8 @@ class Writer {
     for (const BodyGeometry::Field& f : grid.fields) {
       if (f.on_cells != on_cells) continue;
       if (is_enough_in_single(f.values))
-        array("Float32", f.name, f.components, std::vector<float>(f.values.begin(), f.values.end()));
+        array("Float32", f.name, f.components,
+              std::vector<float>(f.values.begin(), f.values.end()));
       else
         array("Float64", f.name, f.components, f.values);
     }
@@ -164,7 +165,8 @@ std::string vtu_text(const VtuGrid& grid, Real time) {
   w.text =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-      "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>\n";
+      "header_type=\"UInt64\" "
+      "compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>\n";
   w.array("Float64", "TimeValue", 1, std::vector<Real>{time}, true);
   for (const auto& [name, value] : grid.constants) {
     w.array("Int32", name, 1, std::vector<std::int32_t>{value}, true);

@@ -62,7 +62,8 @@ void VtuRecorder::initialise(Setup& setup) {
   constraints_.name = "constraints";
   for (const std::string& name : taken) {
     // One complaint is enough where two recorders write the same.
-    if (!setup.output(*this, "files", name + ".pvd") || !setup.output(*this, "files", name, "*.vtu"))
+    if (!setup.output(*this, "files", name + ".pvd") ||
+        !setup.output(*this, "files", name, "*.vtu"))
       return;
   }
 }

@@ -20,7 +20,8 @@ void Cutting::describe(Describe<Cutting>& d) {
   d.attribute("threshold", &Cutting::threshold_, "N", between(0, 1e6),
               "Cutting force fc, where no region says otherwise.");
   d.attribute("regions", &Cutting::regions_text_,
-              "Regions of the tissue, by name or number as in Layer, blank separated, with a threshold of their own.");
+              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
+              "threshold of their own.");
   d.attribute("region_thresholds", &Cutting::region_thresholds_, "N", between(0, 1e6),
               "One threshold per region in `regions`.");
   d.output("force", "N", "Force of the tissue on the tip, along the needle.",

@@ -29,7 +29,8 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-6, 1e6),
               "Puncture force from inside.");
   d.attribute("regions", &Puncture::regions_text_,
-              "Regions of the tissue, by name or number as in Layer, blank separated, with a threshold of their own, on the surface and as a "
+              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
+              "threshold of their own, on the surface and as a "
               "layer under another.");
   d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-6, 1e6),
               "One threshold per region in `regions`.");

@@ -1,4 +1,5 @@
-// A value per region of a tissue, written as two lists: regions="dermis fat" region_...="0.4 0.2 N".
+// A value per region of a tissue, written as two lists: regions="dermis fat" region_...="0.4 0.2
+// N".
 #pragma once
 
 #include <sstream>

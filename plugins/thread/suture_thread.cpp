@@ -45,8 +45,8 @@ void SutureThread::doubt_sizes(Setup& setup) const {
   constexpr Real longest_needle = 0.15, thickest_needle = 3e-3, thickest_thread = 2e-3;  // m
   const auto doubt = [&](const char* attribute, Real value, Real most, const char* known) {
     if (value > most)
-      setup.warning(*this, std::string(attribute) + " is " + format_real(value) +
-                               " m, and " + known + "; is the unit right?");
+      setup.warning(*this, std::string(attribute) + " is " + format_real(value) + " m, and " +
+                               known + "; is the unit right?");
   };
   doubt("needle_length", needle_arc_length, longest_needle, "suture needles end at about 100 mm");
   if (needle_arc_length > 0)

@@ -16,18 +16,23 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Angle of the needle's arc; 180 deg is a half circle, 0 a straight needle.");
   d.attribute("needle_diameter", &T::needle_diameter, "m", between(1e-6, 0.05),
               "Diameter of the needle's wire.");
-  d.attribute("needle_young", &T::needle_young, "Pa", between(1, 1e13), "Young modulus of the needle.");
+  d.attribute("needle_young", &T::needle_young, "Pa", between(1, 1e13),
+              "Young modulus of the needle.");
   d.attribute("needle_poisson", &T::needle_poisson, "1", between(0, 0.5),
               "Poisson ratio of the needle.");
-  d.attribute("needle_density", &T::needle_density, "kg/m^3", between(0.001, 1e6), "Density of the needle.");
+  d.attribute("needle_density", &T::needle_density, "kg/m^3", between(0.001, 1e6),
+              "Density of the needle.");
   d.attribute("needle_beams", &T::needle_beams, between(1, 10000), "Beams of the needle.");
 
   d.attribute("thread_length", &T::thread_length, "m", between(1e-4, 100), "Length of the thread.");
-  d.attribute("thread_diameter", &T::thread_diameter, "m", between(1e-6, 0.05), "Diameter of the thread.");
-  d.attribute("thread_young", &T::thread_young, "Pa", between(1, 1e13), "Young modulus of the thread.");
+  d.attribute("thread_diameter", &T::thread_diameter, "m", between(1e-6, 0.05),
+              "Diameter of the thread.");
+  d.attribute("thread_young", &T::thread_young, "Pa", between(1, 1e13),
+              "Young modulus of the thread.");
   d.attribute("thread_poisson", &T::thread_poisson, "1", between(0, 0.5),
               "Poisson ratio of the thread.");
-  d.attribute("thread_density", &T::thread_density, "kg/m^3", between(0.001, 1e6), "Density of the thread.");
+  d.attribute("thread_density", &T::thread_density, "kg/m^3", between(0.001, 1e6),
+              "Density of the thread.");
   d.attribute(
       "bending_factor", &T::bending_factor, "1", strictly_between(0, 10),
       "Bending and torsional stiffness relative to a solid wire of the same modulus: 1 for a "

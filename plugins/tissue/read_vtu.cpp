@@ -279,8 +279,8 @@ class VtuReader {
     for (std::uint64_t i = 0; i < blocks; ++i) {
       const std::uint64_t size = size_from(in);
       if (size > source.size() - std::min(source.size(), packed_size))
-        fail(array, "a compressed block of " + std::to_string(size) +
-                        " bytes, more than the file holds");
+        fail(array,
+             "a compressed block of " + std::to_string(size) + " bytes, more than the file holds");
       sizes.push_back(static_cast<std::size_t>(size));
       packed_size += sizes.back();
     }
@@ -294,7 +294,8 @@ class VtuReader {
   static std::size_t after_digits(std::string_view text, std::size_t digits, bool raw) {
     std::size_t i = 0;
     for (; i < text.size() && digits > 0; ++i)
-      if (raw || (text[i] != ' ' && text[i] != '\n' && text[i] != '\r' && text[i] != '\t')) --digits;
+      if (raw || (text[i] != ' ' && text[i] != '\n' && text[i] != '\r' && text[i] != '\t'))
+        --digits;
     return i;
   }
 

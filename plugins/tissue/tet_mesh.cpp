@@ -17,7 +17,8 @@ Real metres(TetMesh::Unit unit) {
 void TetMesh::describe(Describe<TetMesh>& d) {
   d.summary(
       "A tetrahedral mesh read from a file: Gmsh MSH 2.2 or 4.1, VTK legacy or VTU, "
-      "ASCII, binary or compressed by zlib. Physical groups (Gmsh) or the cell array 'region' (VTK) become regions.");
+      "ASCII, binary or compressed by zlib. Physical groups (Gmsh) or the cell array 'region' "
+      "(VTK) become regions.");
   d.attribute("file", &TetMesh::file, "The mesh file, relative to the scene.").required();
   d.attribute("unit", &TetMesh::unit, {"unstated", "m", "cm", "mm"},
               "The unit of length of the file; unstated means metres, with a warning if the mesh "

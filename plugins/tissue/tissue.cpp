@@ -31,9 +31,9 @@ void Tissue::describe(Describe<Tissue>& d) {
               "averaged over edges and nodes (smoothed), accurate there at three to four times the "
               "cost. Unstated: t4, the one that keeps pace with the clock, with a warning where it "
               "is too stiff.");
-  d.attribute(
-      "iterations", &Tissue::iterations, between(1, 100),
-      "Passes of the step, at least (docs/step.md); more follow where the tolerance asks for them.");
+  d.attribute("iterations", &Tissue::iterations, between(1, 100),
+              "Passes of the step, at least (docs/step.md); more follow where the tolerance asks "
+              "for them.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.")
       .optional();

@@ -17,7 +17,8 @@
 
 namespace sutura {
 
-/// unstated: t4, with a warning where it is too stiff. t4: corotational linear tets. smoothed: the same tets, cured of locking (smoothed_t4.h).
+/// unstated: t4, with a warning where it is too stiff. t4: corotational linear tets. smoothed: the
+/// same tets, cured of locking (smoothed_t4.h).
 enum class TissueElement { unstated, t4, smoothed };
 
 class Tissue : public Component, public SolidBody {
@@ -84,8 +85,7 @@ class Tissue : public Component, public SolidBody {
                                        Configuration c) const override;
   Vec3 surface_normal(Index triangle, Configuration c) const override;
   int region(const EmbeddedPoint& p) const override;
-  std::optional<int> find_region(const std::string& name_or_tag,
-                                 std::string& error) const override;
+  std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const override;
   Elasticity elasticity(const EmbeddedPoint& p) const override;
 
  private:

@@ -34,7 +34,8 @@ void Grasper::describe(Describe<Grasper>& d) {
   d.attribute("grasp", &Grasper::grasp_, "s", at_least(0), "Times at which the jaws close.");
   d.attribute("release", &Grasper::release_, "s", at_least(0),
               "Times at which they open; one less than grasps: they hold on.");
-  d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-3, 1e9), "Of the grip, in translation.");
+  d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-3, 1e9),
+              "Of the grip, in translation.");
   d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e6),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
   d.output("force", "N", "Force of the jaws on the curve over the last step.",

@@ -60,7 +60,8 @@ Pose Track::at(Real time) const {
   if (!is_led_) return frames_.at(time);
   // Evenly within the step, which may be taken in parts.
   const Real u = std::clamp((time - led_since_) / dt_, Real(0), Real(1));
-  return {from_.position + u * (to_.position - from_.position), from_.rotation.slerp(u, to_.rotation)};
+  return {from_.position + u * (to_.position - from_.position),
+          from_.rotation.slerp(u, to_.rotation)};
 }
 
 void Track::lead(const Pose& pose) {
@@ -108,10 +109,10 @@ std::vector<KeyFrame> Track::keys_from_file(Setup& setup) {
       setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
     } else {
       const bool is_there = std::filesystem::exists(file);
-      setup.error(*this,
-                  file.string() + ": " + p.message +
-                      (is_there ? "" : setup.did_you_mean_file(file_.path)),
-                  Category::file);
+      setup.error(
+          *this,
+          file.string() + ": " + p.message + (is_there ? "" : setup.did_you_mean_file(file_.path)),
+          Category::file);
     }
   }
   if (problems.empty()) setup.note_if_outside(*this, file_.path);

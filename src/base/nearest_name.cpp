@@ -67,8 +67,8 @@ std::string by_part(std::string_view name, std::span<const std::string> candidat
   double best_share = 0;
   for (const std::string& candidate : candidates) {
     const std::string other = bare(candidate);
-    const auto& [part, whole] = wanted.size() < other.size() ? std::tie(wanted, other)
-                                                              : std::tie(other, wanted);
+    const auto& [part, whole] =
+        wanted.size() < other.size() ? std::tie(wanted, other) : std::tie(other, wanted);
     if (part.size() < shortest_part || whole.find(part) == std::string::npos) continue;
     const double share = static_cast<double>(part.size()) / static_cast<double>(whole.size());
     if (share <= best_share) continue;

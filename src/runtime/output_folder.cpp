@@ -39,7 +39,8 @@ void remove_listed(const fs::path& folder, const fs::path& listed) {
   const std::string pattern = listed.filename().string();
   std::error_code ignored;
   // A link to elsewhere is not a folder of ours.
-  for (fs::path step = parent; step != folder && step.has_relative_path(); step = step.parent_path())
+  for (fs::path step = parent; step != folder && step.has_relative_path();
+       step = step.parent_path())
     if (fs::is_symlink(step, ignored)) return;
   std::vector<fs::path> found;
   for (fs::directory_iterator i(parent, ignored), end; i != end; i.increment(ignored))

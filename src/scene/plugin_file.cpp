@@ -6,7 +6,6 @@
 #include <cstring>
 #include <fstream>
 
-
 namespace sutura {
 
 namespace {
@@ -28,9 +27,8 @@ std::string check_plugin_file(const std::filesystem::path& file) {
   const std::string cut_short = "is cut short: it has " + std::to_string(size) + " bytes of ";
   Elf64_Ehdr header;
   if (!read_at(in, 0, header)) return "is no shared library";
-  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 ||
-      header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_type != ET_DYN ||
-      header.e_phentsize != sizeof(Elf64_Phdr))
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64 ||
+      header.e_type != ET_DYN || header.e_phentsize != sizeof(Elf64_Phdr))
     return "is no shared library of this kind of machine";
   for (unsigned i = 0; i < header.e_phnum; ++i) {
     Elf64_Phdr segment;

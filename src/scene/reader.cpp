@@ -18,8 +18,8 @@ std::string shown(std::string_view name) {
 
 const std::vector<std::string> settings{"version", "dt", "gravity", "duration"};
 const std::vector<std::string> only_name{"name"};
-constexpr Range dt_range{.low = 1e-9, .high = 10};          // s
-constexpr Range duration_range{.low = 0, .high = 1e6};      // s: eleven days
+constexpr Range dt_range{.low = 1e-9, .high = 10};      // s
+constexpr Range duration_range{.low = 0, .high = 1e6};  // s: eleven days
 
 }  // namespace
 

@@ -54,7 +54,8 @@ std::optional<fs::path> Setup::output(const Component& who, const std::string& a
                    "--allow-outside)");
     return {};
   }
-  const auto [place, is_new] = claims.try_emplace(plain.generic_string(), Claim{who.path(), pattern});
+  const auto [place, is_new] =
+      claims.try_emplace(plain.generic_string(), Claim{who.path(), pattern});
   if (!is_new) {
     error(who, attribute + ": '" + name + "' would overwrite what " + place->second.owner +
                    " writes there; expected another name");

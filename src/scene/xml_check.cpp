@@ -24,9 +24,9 @@ std::string odd_byte(char c) {
   const auto value = static_cast<unsigned char>(c);
   char hex[8];
   std::snprintf(hex, sizeof hex, "0x%02x", value);
-  return value < 0x20 ? std::string("the control character ") + hex + ", which XML does not allow"
-                      : std::string("the byte ") + hex +
-                            " is not UTF-8; save the file as UTF-8 text";
+  return value < 0x20
+             ? std::string("the control character ") + hex + ", which XML does not allow"
+             : std::string("the byte ") + hex + " is not UTF-8; save the file as UTF-8 text";
 }
 
 std::string shortened(std::string_view text) {

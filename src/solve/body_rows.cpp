@@ -1,7 +1,7 @@
 // The rows H of one body, and the compliance that any body has by solving one column per row.
-#include "sutura/body.h"
-
 #include <charconv>
+
+#include "sutura/body.h"
 
 namespace sutura {
 

@@ -1,10 +1,11 @@
 // Any bytes are a scene or are refused with a reason; what is read is written and read back alike.
+#include "sutura/scene.h"
+
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 
 #include "sutura/plugin.h"
-#include "sutura/scene.h"
 
 using namespace sutura;
 

@@ -83,8 +83,8 @@ TEST(Typos, GetTheRightName) {
   score.take({"version", "dt", "gravity", "duration"}, random);
   score.take(available_plugins(folders), random);
   ASSERT_GT(score.all, 2000);
-  EXPECT_GE(score.right, 0.95 * score.all)
-      << score.right << " of " << score.all << "\n" << score.missed;
+  EXPECT_GE(score.right, 0.95 * score.all) << score.right << " of " << score.all << "\n"
+                                           << score.missed;
   RecordProperty("right", score.right);
   RecordProperty("all", score.all);
 }

@@ -233,8 +233,7 @@ TEST_F(Recorders, TwoRunsDoNotShareAFolder) {
   ASSERT_EQ(run(scene, 0), "");
   ASSERT_EQ(simulation_->start_recording(), "");  // and goes on
   const auto first = std::move(simulation_);
-  EXPECT_NE(run(scene, 0).find("another run is writing to " + folder_.string()),
-            std::string::npos);
+  EXPECT_NE(run(scene, 0).find("another run is writing to " + folder_.string()), std::string::npos);
   EXPECT_EQ(first->finish_recording(), "");
   EXPECT_EQ(run(scene, 0), "");
 }

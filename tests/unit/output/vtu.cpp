@@ -169,7 +169,8 @@ TEST(Vtu, VtkReadsIt) {
             "  cell flux <a&b>: 1.0 2.0 3.0 -4.0 5.5 1e+300\n"
             "  field law 0 is path: 0.0\n"
             "line.vtu points 4 cells 3 types 3 time 0.0\n"
-            "  point radius [m]: 9.999999747378752e-05 9.999999747378752e-05 0.00019999999494757503 0.00019999999494757503\n"
+            "  point radius [m]: 9.999999747378752e-05 9.999999747378752e-05 "
+            "0.00019999999494757503 0.00019999999494757503\n"
             "empty.vtu points 0 cells 0 types  time 0.0\n");
 }
 

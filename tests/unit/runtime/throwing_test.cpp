@@ -29,9 +29,9 @@ Diagnostics compile(const std::string& what) {
   registry.component<Thrower>("Thrower");
   registry.end_plugin();
   Diagnostics diagnostics;
-  auto scene = load_scene_text("<sutura version='1'>\n<plugin name='fireworks'/>\n<Thrower what='" +
-                                   what + "'/></sutura>",
-                               "test.xml", ".", registry, diagnostics);
+  auto scene = load_scene_text(
+      "<sutura version='1'>\n<plugin name='fireworks'/>\n<Thrower what='" + what + "'/></sutura>",
+      "test.xml", ".", registry, diagnostics);
   EXPECT_TRUE(scene);
   EXPECT_FALSE(scene && Simulation::compile(std::move(scene), "", diagnostics));
   return diagnostics;

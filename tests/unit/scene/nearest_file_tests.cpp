@@ -1,10 +1,11 @@
-// Which file was meant, in a tree such as people have: a scene, meshes beside it, a slip in the name.
-#include "scene/nearest_file.h"
-
+// Which file was meant, in a tree such as people have: a scene, meshes beside it, a slip in the
+// name.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <fstream>
+
+#include "scene/nearest_file.h"
 
 namespace sutura {
 namespace {
@@ -26,13 +27,13 @@ class NearestFile : public testing::Test {
 };
 
 TEST_F(NearestFile, MendsSlips) {
-  EXPECT_EQ(near("../meshes/padd.msh"), "../meshes/pad.msh");   // in the name
-  EXPECT_EQ(near("../meshes/PAD.msh"), "../meshes/pad.msh");    // in the case
-  EXPECT_EQ(near("../mesh/pad.msh"), "../meshes/pad.msh");      // in the folder
+  EXPECT_EQ(near("../meshes/padd.msh"), "../meshes/pad.msh");    // in the name
+  EXPECT_EQ(near("../meshes/PAD.msh"), "../meshes/pad.msh");     // in the case
+  EXPECT_EQ(near("../mesh/pad.msh"), "../meshes/pad.msh");       // in the folder
   EXPECT_EQ(near("../mehses/blok.msh"), "../meshes/block.msh");  // in both
-  EXPECT_EQ(near("../meshes/pad.vtk"), "../meshes/pad.msh");    // in the kind
-  EXPECT_EQ(near("pad.msh"), "../meshes/pad.msh");              // without the folder
-  EXPECT_EQ(near("meshes/pad.msh"), "../meshes/pad.msh");       // a step too low
+  EXPECT_EQ(near("../meshes/pad.vtk"), "../meshes/pad.msh");     // in the kind
+  EXPECT_EQ(near("pad.msh"), "../meshes/pad.msh");               // without the folder
+  EXPECT_EQ(near("meshes/pad.msh"), "../meshes/pad.msh");        // a step too low
   EXPECT_EQ(near("path.csv"), "data/path.csv");
   EXPECT_EQ(near("own/kidney.vtu"), "own/liver.vtu");  // nothing else is there
 }

@@ -144,7 +144,8 @@ TEST(Reader, RefusesSettings) {
   refuse("<sutura/>", "t.xml:1: error: <sutura> needs version");
   refuse("<sutura version='2'/>", "'2' is not supported");
   refuse("<scene version='1'/>", "the root element is <scene>");
-  refuse("<sutura version='1' dt='0'/>", "dt: '0' is out of range: it must be between 1e-09 and 10 s");
+  refuse("<sutura version='1' dt='0'/>",
+         "dt: '0' is out of range: it must be between 1e-09 and 10 s");
   refuse("<sutura version='1' dt='1 m'/>", "dt: '1 m' has the wrong unit");
   refuse("<sutura version='1' duration='-1'/>", "between 0 and 1000000 s");
   refuse("<sutura version='1' gravity='1 2'/>", "gravity: '1 2' has 2 numbers");

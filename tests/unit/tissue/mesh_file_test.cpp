@@ -34,21 +34,19 @@ TEST_P(MeshFormats, GivesTheMeshOfTheAsciiFile) {
   EXPECT_EQ(found.mesh.region, expected.mesh.region);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, MeshFormats,
-                         ::testing::Values("msh22_binary.msh", "msh41_ascii.msh",
-                                           "msh41_binary.msh", "gmsh_ascii.vtk", "gmsh_binary.vtk",
-                                           "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk",
-                                           "vtk51_binary.vtk", "ascii.vtu", "base64.vtu",
-                                           "base64_uint64_big.vtu", "appended_raw.vtu",
-                                           "appended_base64.vtu",
-                                           "compressed.vtu", "compressed_blocks_raw.vtu",
-                                           "compressed_blocks_big.vtu", "meshio.vtu"),
-                         [](const auto& info) {
-                           std::string name = info.param;
-                           for (char& c : name)
-                             if (c == '.') c = '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, MeshFormats,
+    ::testing::Values("msh22_binary.msh", "msh41_ascii.msh", "msh41_binary.msh", "gmsh_ascii.vtk",
+                      "gmsh_binary.vtk", "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk",
+                      "vtk51_binary.vtk", "ascii.vtu", "base64.vtu", "base64_uint64_big.vtu",
+                      "appended_raw.vtu", "appended_base64.vtu", "compressed.vtu",
+                      "compressed_blocks_raw.vtu", "compressed_blocks_big.vtu", "meshio.vtu"),
+    [](const auto& info) {
+      std::string name = info.param;
+      for (char& c : name)
+        if (c == '.') c = '_';
+      return name;
+    });
 
 TEST(MeshFile, ReadsTheTwoBoxes) {
   MeshReading reading = read_mesh(folder / "msh22_ascii.msh");
