@@ -80,13 +80,13 @@ TEST_F(CommandLine, AFolderThatCannotBeWrittenIsThree) {
 }
 
 TEST_F(CommandLine, DivergenceIsFourAndLosesNothing) {
-  // A mass and a gravity whose product is no number any more.
+  // A gravity and a step whose product is no number any more.
   const std::string file = scene(
-      "<sutura version=\"1\" gravity=\"0 0 -1e308\" duration=\"1 s\">"
+      "<sutura version=\"1\" dt=\"10 s\" gravity=\"0 0 -1e308\" duration=\"100 s\">"
       "<plugin name=\"tissue\"/><plugin name=\"output\"/>"
       "<TetMesh file=\"" SUTURA_SOURCE_DIR
       "/scenes/meshes/block.msh\" unit=\"mm\"/>"
-      "<Tissue density=\"1e6\"/><CsvProbe columns=\"/tissue.lowest\"/></sutura>");
+      "<Tissue/><CsvProbe columns=\"/tissue.lowest\"/></sutura>");
   const Outcome out = command("run " + file + output());
   EXPECT_EQ(out.code, 4) << out.text;
   EXPECT_NE(out.text.find("diverged: the state is no longer finite"), std::string::npos)
@@ -180,7 +180,7 @@ TEST_F(CommandLine, DescribeKnowsEveryPlugin) {
        {"GaussSeidel", "SutureThread", "Tissue", "Puncture", "Grasper", "CsvProbe"})
     EXPECT_NE(index.text.find(name), std::string::npos) << name;
   const Outcome one = command("describe Tissue");
-  EXPECT_NE(one.text.find("young: real above 0 Pa; default "), std::string::npos) << one.text;
+  EXPECT_NE(one.text.find("young: real between 0.01 and 1e+13 Pa; default "), std::string::npos) << one.text;
 }
 
 }  // namespace
