@@ -112,9 +112,9 @@ TEST_F(CommandLine, FilesOutsideOfTheOutputFolderNeedLeave) {
 
 TEST_F(CommandLine, OneRunOwnsItsFolder) {
   EXPECT_EQ(command("run " + probe + " --steps 3" + output()).code, 0);
-  const Outcome busy = command(
-      "run " + probe + " --steps 3" + output(),
-      "flock --exclusive '" + (folder_.path() / "out/.sutura_files").string() + "' ");
+  const Outcome busy =
+      command("run " + probe + " --steps 3" + output(),
+              "flock --exclusive '" + (folder_.path() / "out/.sutura_files").string() + "' ");
   EXPECT_EQ(busy.code, 3) << busy.text;
   EXPECT_NE(busy.text.find("another run is writing to"), std::string::npos) << busy.text;
 }
@@ -180,7 +180,8 @@ TEST_F(CommandLine, DescribeKnowsEveryPlugin) {
        {"GaussSeidel", "SutureThread", "Tissue", "Puncture", "Grasper", "CsvProbe"})
     EXPECT_NE(index.text.find(name), std::string::npos) << name;
   const Outcome one = command("describe Tissue");
-  EXPECT_NE(one.text.find("young: real between 0.01 and 1e+13 Pa; default "), std::string::npos) << one.text;
+  EXPECT_NE(one.text.find("young: real between 0.01 and 1e+13 Pa; default "), std::string::npos)
+      << one.text;
 }
 
 }  // namespace
