@@ -170,6 +170,9 @@ class SolidBody : public Body {
   virtual Vec3 surface_normal(Index triangle, Configuration c) const = 0;
   /// Region tag of the mesh (layer).
   virtual int region(const EmbeddedPoint& p) const = 0;
+  /// The tag of a region given by name or number, or nothing and a sentence that says what there
+  /// is. A solid that cannot tell takes every number.
+  virtual std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const;
   virtual Elasticity elasticity(const EmbeddedPoint&) const { return {}; }
 };
 

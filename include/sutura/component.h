@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -12,6 +14,7 @@ namespace sutura {
 
 struct ComponentInfo;
 class Component;
+class Scene;
 
 /// Handed to Component::initialise: the settings of the scene and a place to complain.
 struct Setup {
@@ -21,8 +24,31 @@ struct Setup {
   Real dt = 0.01;                          ///< s
   Vec3 gravity = Vec3::Zero();             ///< m/s^2
   Index source_id = 0;                     ///< unique per component, for constraint keys
+  const Scene* scene = nullptr;            ///< for components that name others in a text (probes)
+  bool allow_outside = false;              ///< files outside of the folders of scene and results
+  std::size_t errors_before = 0;           ///< in `diagnostics`, when this component began
+
+  /// What is written: names in the output folder. A folder's files are its `pattern`.
+  struct Claim {
+    std::string owner;
+    std::string pattern;
+  };
+  std::map<std::string, Claim> claims = {};
+
+  /// False once this component has complained. Errors of others are none of its business.
+  bool ok() const { return diagnostics.errors() == errors_before; }
 
   std::filesystem::path resolve(const std::string& file) const;
+  /// A note if the file lies neither in the folder of the scene nor in one beside it.
+  void note_if_outside(const Component& who, const std::string& file);
+  /// "; did you mean 'meshes/pad.msh'?" for a file that does not exist, or nothing.
+  std::string did_you_mean_file(const std::string& file) const;
+  /// Where `who` may write the file that its `attribute` names. Nothing after an error: the name is
+  /// empty, leads out of the output folder, or is another component's. With a pattern ("*.vtu") the
+  /// name is a folder.
+  std::optional<std::filesystem::path> output(const Component& who, const std::string& attribute,
+                                              const std::string& name,
+                                              const std::string& pattern = {});
   void error(const Component& who, std::string message, Category category = Category::scene);
   void warning(const Component& who, std::string message, Category category = Category::scene);
 };

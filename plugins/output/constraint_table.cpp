@@ -24,22 +24,14 @@ void ConstraintTable::describe(Describe<ConstraintTable>& d) {
 }
 
 void ConstraintTable::initialise(Setup& setup) {
-  directory_ = setup.output_directory;
-  if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as constraints.csv");
+  if (const auto place = setup.output(*this, "file", file_)) path_of_file_ = *place;
 }
 
 std::string ConstraintTable::start(const Simulation& simulation) {
   sources_.clear();
   for (const Component* c : simulation.scene().components())
     sources_.push_back(csv_field(c->path()));
-  for (const Component* other : simulation.scene().components()) {
-    if (other == this) break;
-    const auto* table = dynamic_cast<const ConstraintTable*>(other);
-    if (table != nullptr && table->file_ == file_)
-      return path() + " would overwrite '" + file_ + "' of " + other->path() +
-             "; expected another 'file'";
-  }
-  if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
+  if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
   return out_.append(
       "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y "
       "[N],force.z [N],violation [m]\n");

@@ -8,11 +8,6 @@
 namespace sutura::output {
 namespace {
 
-std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
-  const std::string nearest = nearest_name(name, candidates);
-  return nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?";
-}
-
 std::string list_of(const std::vector<std::string>& names) {
   std::string out;
   for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
@@ -69,25 +64,29 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
 }
 
 void CsvProbe::initialise(Setup& setup) {
-  directory_ = setup.output_directory;
-  if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as probe.csv");
+  columns_.clear();
+  std::istringstream names(columns_text_);
+  for (std::string name; names >> name;) {
+    Column column{.name = name.substr(name.front() == '/' ? 1 : 0)};
+    if (const std::string error = resolve(name, *setup.scene, column); error.empty())
+      columns_.push_back(column);
+    else
+      setup.error(*this, error);
+  }
+  if (const auto place = setup.output(*this, "file", file_)) path_of_file_ = *place;
 }
 
-std::string CsvProbe::resolve(const std::string& name, const Simulation& simulation,
-                              Column& column) const {
+std::string CsvProbe::resolve(const std::string& name, const Scene& scene, Column& column) const {
   const auto dot = name.rfind('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size()) {
-    return path() + ": column '" + name +
-           "'; expected a component and its output, as in /holder.force";
-  }
+  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size())
+    return "columns: '" + name + "'; expected a component and its output, as in /holder.force";
   const std::string owner = name.substr(0, dot);
   const std::string output = name.substr(dot + 1);
-  column.component = simulation.scene().find(owner);
+  column.component = scene.find(owner);
   if (column.component == nullptr) {
     std::vector<std::string> paths;
-    for (const Component* c : simulation.scene().components()) paths.push_back(c->path());
-    return path() + ": no component '" + owner + "' for column '" + name + "'" +
-           did_you_mean(owner, paths);
+    for (const Component* c : scene.components()) paths.push_back(c->path());
+    return "columns: no component '" + owner + "' for '" + name + "'" + did_you_mean(owner, paths);
   }
   std::vector<std::string> names;
   for (const OutputInfo& o : column.component->info().outputs) {
@@ -97,36 +96,21 @@ std::string CsvProbe::resolve(const std::string& name, const Simulation& simulat
     }
     names.push_back(o.name);
   }
-  return path() + ": " + column.component->info().name + " '" + owner + "' has no output '" +
-         output + "'" +
+  return "columns: " + column.component->info().name + " '" + owner + "' has no output '" + output +
+         "'" +
          (names.empty() ? "; it has none"
                         : did_you_mean(output, names) + "; it has " + list_of(names));
 }
 
-std::string CsvProbe::start(const Simulation& simulation) {
-  columns_.clear();
-  std::istringstream names(columns_text_);
+std::string CsvProbe::start(const Simulation&) {
   std::string header = "step,time [s]";
-  for (std::string name; names >> name;) {
-    Column column;
-    if (std::string error = resolve(name, simulation, column); !error.empty()) return error;
-    columns_.push_back(column);
-    const std::string unit = column.output->unit.empty() || column.output->unit == "1"
-                                 ? std::string()
-                                 : " [" + column.output->unit + "]";
-    header += std::visit(HeaderOf{name.substr(name.front() == '/' ? 1 : 0), unit},
-                         column.output->read(*column.component));
+  for (const Column& c : columns_) {
+    const std::string& unit = c.output->unit;
+    const HeaderOf header_of{c.name, unit.empty() || unit == "1" ? "" : " [" + unit + "]"};
+    header += std::visit(header_of, c.output->read(*c.component));
   }
   if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
-  for (const Component* other : simulation.scene().components()) {
-    if (other == this) break;
-    const auto* probe = dynamic_cast<const CsvProbe*>(other);
-    if (probe != nullptr && probe->file_ == file_) {
-      return path() + " would overwrite '" + file_ + "' of " + other->path() +
-             "; expected another 'file'";
-    }
-  }
-  if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
+  if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
   return out_.append(header + "\n");
 }
 

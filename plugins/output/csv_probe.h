@@ -22,18 +22,19 @@ class CsvProbe : public Component, public Recorder {
 
  private:
   struct Column {
+    std::string name = {};  ///< in the header
     const Component* component = nullptr;
     const OutputInfo* output = nullptr;
   };
   /// An error sentence, or empty.
-  std::string resolve(const std::string& name, const Simulation& simulation, Column& column) const;
+  std::string resolve(const std::string& name, const Scene& scene, Column& column) const;
 
   std::string columns_text_;
   std::string file_ = "probe.csv";
   bool report_ = false;
   Index every_ = 1;
 
-  std::filesystem::path directory_;
+  std::filesystem::path path_of_file_;
   std::vector<Column> columns_;
   OutputFile out_;
   std::string row_;

@@ -46,31 +46,31 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
       "with law -1 and no force, because some readers refuse an empty grid. A .pvd is complete "
       "after every record, so a run that is cut off can be looked at.");
   d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
-  d.attribute("interval", &VtuRecorder::interval_, "s", at_least(0),
+  d.attribute("interval", &VtuRecorder::interval_, "s", between(0, 1e6),
               "Time between records; 0: by steps, as 'every' says.");
 }
 
 void VtuRecorder::initialise(Setup& setup) {
   directory_ = setup.output_directory;
-}
-
-std::string VtuRecorder::start(const Simulation& simulation) {
-  for (const Component* other : simulation.scene().components()) {
-    if (other == this) break;
-    if (dynamic_cast<const VtuRecorder*>(other) != nullptr) {
-      return path() + " would overwrite the files of " + other->path() +
-             "; expected one VtuRecorder in a scene";
-    }
-  }
   bodies_.clear();
-  laws_ = {};
-  next_time_ = 0;
   std::vector<std::string> taken{"constraints"};
-  for (const Simulation::NamedBody& b : simulation.bodies()) {
-    taken.push_back(file_name_of(b.path, taken));
+  for (const Component* c : setup.scene->components()) {
+    if (dynamic_cast<const Body*>(c) == nullptr) continue;
+    taken.push_back(file_name_of(c->path(), taken));
     bodies_.push_back({taken.back(), {}});
   }
   constraints_.name = "constraints";
+  for (const std::string& name : taken) {
+    // One complaint is enough where two recorders write the same.
+    if (!setup.output(*this, "files", name + ".pvd") ||
+        !setup.output(*this, "files", name, "*.vtu"))
+      return;
+  }
+}
+
+std::string VtuRecorder::start(const Simulation&) {
+  laws_ = {};
+  next_time_ = 0;
   for (Series& s : bodies_) {
     if (std::string e = s.pvd.open(directory_ / (s.name + ".pvd")); !e.empty()) return e;
   }

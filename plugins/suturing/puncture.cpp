@@ -24,21 +24,22 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
   d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")
       .optional();
-  d.attribute("threshold", &Puncture::threshold_, "N", above(0),
+  d.attribute("threshold", &Puncture::threshold_, "N", between(1e-6, 1e6),
               "Puncture force fp on entry, where no region says otherwise.");
-  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", above(0),
+  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-6, 1e6),
               "Puncture force from inside.");
-  d.attribute("regions", &Puncture::regions_, "1", at_least(0),
-              "Region tags of the tissue with a threshold of their own, on the surface and as a "
+  d.attribute("regions", &Puncture::regions_text_,
+              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
+              "threshold of their own, on the surface and as a "
               "layer under another.");
-  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", above(0),
-              "One threshold per tag in `regions`.");
-  d.attribute("friction", &Puncture::friction_, "1", at_least(0),
+  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-6, 1e6),
+              "One threshold per region in `regions`.");
+  d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
-  d.attribute("tip_radius", &Puncture::tip_radius_, "m", at_least(0),
+  d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
               "Radius of the tip, over which it presses; 0: the radius of the needle. A small force F dents "
               "thick tissue by (1 - nu^2) F / (2 radius E), whatever the mesh.");
-  d.attribute("reach", &Puncture::reach_, "m", above(0),
+  d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
               "inside without a puncture, it counts as an overrun.");
@@ -66,7 +67,7 @@ void Puncture::describe(Describe<Puncture>& d) {
 
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
+  regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot = path_->tissue().closest_surface(tip, reach_, Configuration::current);
   const bool touching = foot && foot->distance > -1e-3 * reach_;

@@ -37,8 +37,9 @@ class Puncture : public Component, public ConstraintSource {
   Link<PathFriction> drag_;
   Real threshold_ = 0.5;
   Real exit_threshold_ = 0.5;
-  std::vector<Real> regions_;
+  std::string regions_text_;
   std::vector<Real> region_thresholds_;
+  std::vector<int> regions_;  ///< tags, of the names in the text
   Real friction_ = 0.2;
   Real tip_radius_ = 0;  ///< 0: that of the needle
   Real reach_ = 1e-3;

@@ -4,8 +4,15 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
+
+#include "sutura/units.h"
 
 namespace sutura::thread {
+
+namespace {
+constexpr Index most_beams = 200000;  // some 500 MB with the matrices of the step
+}
 
 void SutureThread::initialise(Setup& setup) {
   if (tip_direction.norm() < 1e-9) setup.error(*this, "tip_direction must not be zero");
@@ -13,7 +20,14 @@ void SutureThread::initialise(Setup& setup) {
           1e-6 * tip_direction.norm() * plane_normal.norm() ||
       plane_normal.norm() < 1e-9)
     setup.error(*this, "plane_normal must not be zero nor parallel to tip_direction");
-  if (!setup.diagnostics.ok()) return;
+  const Real shortest_beams = sampling_angle > 0 ? thread_length / shortest_beam : 0;
+  if (shortest_beams > most_beams)
+    setup.error(*this, "shortest_beam: a thread of " + format_real(thread_length) +
+                           " m could be split into more than " + std::to_string(most_beams) +
+                           " beams; expected at least " + format_real(thread_length / most_beams) +
+                           " m, or a shorter thread");
+  if (!setup.ok()) return;
+  doubt_sizes(setup);
   shape_ = {.needle_length = needle_arc_length,
             .needle_angle = needle_angle,
             .thread_length = thread_length,
@@ -24,6 +38,20 @@ void SutureThread::initialise(Setup& setup) {
             .thread_bend_radius = thread_bend_radius,
             .thread_rest_curvature = thread_rest_curvature};
   build();
+}
+
+/// Sizes that are allowed, but more likely a slip of the unit.
+void SutureThread::doubt_sizes(Setup& setup) const {
+  constexpr Real longest_needle = 0.15, thickest_needle = 3e-3, thickest_thread = 2e-3;  // m
+  const auto doubt = [&](const char* attribute, Real value, Real most, const char* known) {
+    if (value > most)
+      setup.warning(*this, std::string(attribute) + " is " + format_real(value) + " m, and " +
+                               known + "; is the unit right?");
+  };
+  doubt("needle_length", needle_arc_length, longest_needle, "suture needles end at about 100 mm");
+  if (needle_arc_length > 0)
+    doubt("needle_diameter", needle_diameter, thickest_needle, "needles have up to about 2 mm");
+  doubt("thread_diameter", thread_diameter, thickest_thread, "the thickest suture has 0.9 mm");
 }
 
 /// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a

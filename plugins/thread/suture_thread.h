@@ -75,6 +75,7 @@ class SutureThread : public Component, public CurveBody {
 
  private:
   void build();
+  void doubt_sizes(Setup& setup) const;
   std::vector<Real> node_abscissae() const;
   Section section(Real s) const;
   void resample();

@@ -10,29 +10,34 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "to the end of the thread.");
   d.theory("See docs/theory/thread.md.");
 
-  d.attribute("needle_length", &T::needle_arc_length, "m", at_least(0),
+  d.attribute("needle_length", &T::needle_arc_length, "m", between(0, 0.5),
               "Length of the needle along its arc; 0: thread without needle.");
   d.attribute("needle_angle", &T::needle_angle, "rad", between(0, 6.2),
               "Angle of the needle's arc; 180 deg is a half circle, 0 a straight needle.");
-  d.attribute("needle_diameter", &T::needle_diameter, "m", above(0),
+  d.attribute("needle_diameter", &T::needle_diameter, "m", between(1e-6, 0.05),
               "Diameter of the needle's wire.");
-  d.attribute("needle_young", &T::needle_young, "Pa", above(0), "Young modulus of the needle.");
+  d.attribute("needle_young", &T::needle_young, "Pa", between(1, 1e13),
+              "Young modulus of the needle.");
   d.attribute("needle_poisson", &T::needle_poisson, "1", between(0, 0.5),
               "Poisson ratio of the needle.");
-  d.attribute("needle_density", &T::needle_density, "kg/m^3", above(0), "Density of the needle.");
+  d.attribute("needle_density", &T::needle_density, "kg/m^3", between(0.001, 1e6),
+              "Density of the needle.");
   d.attribute("needle_beams", &T::needle_beams, between(1, 10000), "Beams of the needle.");
 
-  d.attribute("thread_length", &T::thread_length, "m", above(0), "Length of the thread.");
-  d.attribute("thread_diameter", &T::thread_diameter, "m", above(0), "Diameter of the thread.");
-  d.attribute("thread_young", &T::thread_young, "Pa", above(0), "Young modulus of the thread.");
+  d.attribute("thread_length", &T::thread_length, "m", between(1e-4, 100), "Length of the thread.");
+  d.attribute("thread_diameter", &T::thread_diameter, "m", between(1e-6, 0.05),
+              "Diameter of the thread.");
+  d.attribute("thread_young", &T::thread_young, "Pa", between(1, 1e13),
+              "Young modulus of the thread.");
   d.attribute("thread_poisson", &T::thread_poisson, "1", between(0, 0.5),
               "Poisson ratio of the thread.");
-  d.attribute("thread_density", &T::thread_density, "kg/m^3", above(0), "Density of the thread.");
+  d.attribute("thread_density", &T::thread_density, "kg/m^3", between(0.001, 1e6),
+              "Density of the thread.");
   d.attribute(
       "bending_factor", &T::bending_factor, "1", strictly_between(0, 10),
       "Bending and torsional stiffness relative to a solid wire of the same modulus: 1 for a "
       "monofilament, about 0.05 for a braid.");
-  d.attribute("thread_rest_curvature", &T::thread_rest_curvature, "1/m", any(),
+  d.attribute("thread_rest_curvature", &T::thread_rest_curvature, "1/m", between(-1e5, 1e5),
               "Memory of the spool: curvature of the thread at rest, in the plane of the needle.");
   d.attribute("thread_beams", &T::thread_beams, between(1, 100000), "Beams of the thread.");
 
@@ -42,27 +47,27 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "two "
       "that together turn by less than half of it are merged, up to the length that thread_beams "
       "gives. 0: the beams stay as they are.");
-  d.attribute("shortest_beam", &T::shortest_beam, "m", above(0),
+  d.attribute("shortest_beam", &T::shortest_beam, "m", between(1e-6, 1),
               "Shortest beam of adaptive sampling.");
 
-  d.attribute("tip", &T::tip, "m", any(), "Where the needle tip is at the start.");
-  d.attribute("tip_direction", &T::tip_direction, "1", any(),
+  d.attribute("tip", &T::tip, "m", between(-1000, 1000), "Where the needle tip is at the start.");
+  d.attribute("tip_direction", &T::tip_direction, "1", between(-1e6, 1e6),
               "Where the tip points: the direction in which it advances.");
   d.attribute(
-      "plane_normal", &T::plane_normal, "1", any(),
+      "plane_normal", &T::plane_normal, "1", between(-1e6, 1e6),
       "Normal of the needle's plane: turning the needle right-handed about it advances the tip "
       "along the needle's own arc.");
-  d.attribute("thread_direction", &T::thread_direction, "1", any(),
+  d.attribute("thread_direction", &T::thread_direction, "1", between(-1e6, 1e6),
               "Direction in which the thread is laid out at the start; 0 0 0: straight on from the "
               "needle's end.");
-  d.attribute("thread_bend_radius", &T::thread_bend_radius, "m", above(0),
+  d.attribute("thread_bend_radius", &T::thread_bend_radius, "m", between(1e-6, 100),
               "Radius of the bend by which the laid out thread turns into thread_direction.");
   d.attribute("clamp", &T::clamp, {"none", "start", "end", "both"},
               "Which end sections are fixed in space, in place and direction.");
 
-  d.attribute("damping_mass", &T::damping_mass, "1/s", at_least(0),
+  d.attribute("damping_mass", &T::damping_mass, "1/s", between(0, 1e6),
               "Rayleigh damping, part of the mass matrix.");
-  d.attribute("damping_stiffness", &T::damping_stiffness, "s", at_least(0),
+  d.attribute("damping_stiffness", &T::damping_stiffness, "s", between(0, 1000),
               "Rayleigh damping, part of the stiffness matrix.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
               "Linearisations per time step: 1 is enough for most scenes, more follow fast large "

@@ -1,10 +1,26 @@
 #include "attach.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "tet_mesh.h"
 
 namespace sutura {
+namespace {
+
+/// "-0.025 -0.015 -0.01  0.025 0.015 0 m", as 'box' would say it.
+std::string corners(const MeshReport& mesh) {
+  std::string out;
+  for (const Vec3& corner : {mesh.low, mesh.high})
+    for (const Real x : corner) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.4g ", x);
+      out += text;
+    }
+  return out + "m";
+}
+
+}  // namespace
 
 void Attach::describe(Describe<Attach>& d) {
   d.summary(
@@ -24,7 +40,6 @@ void Attach::describe(Describe<Attach>& d) {
 }
 
 void Attach::initialise(Setup& setup) {
-  if (!tissue->ok()) return;  // its mesh has been complained about
   if (box.empty() && nodes.empty()) return setup.error(*this, "one of 'box' and 'nodes' is needed");
   const std::vector<Vec3>& points = tissue->mesh->data().points;
   const Index count = static_cast<Index>(points.size());
@@ -40,7 +55,12 @@ void Attach::initialise(Setup& setup) {
       if (((points[i] - low).array() >= -rounding).all() &&
           ((high - points[i]).array() >= -rounding).all())
         selected_.push_back(i);
-    if (selected_.empty()) return setup.error(*this, "no node of the tissue lies in 'box'");
+    if (selected_.empty())
+      return setup.error(*this, "no node of the tissue lies in 'box'; the mesh spans " +
+                                    corners(tissue->mesh->report()) +
+                                    (tissue->mesh->unit == TetMesh::Unit::unstated
+                                         ? ", taken for metres: is a unit=\"mm\" missing?"
+                                         : ""));
   }
   for (const Real number : nodes) {
     if (number != std::floor(number) || number >= static_cast<Real>(count))

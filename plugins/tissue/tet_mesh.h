@@ -19,8 +19,6 @@ class TetMesh : public Component {
   static void describe(Describe<TetMesh>& d);
   void initialise(Setup& setup) override;
 
-  /// False if initialise complained: there is no mesh to work with.
-  bool ok() const { return ok_; }
   const MeshData& data() const { return data_; }
   const MeshReport& report() const { return checked_.report; }
   const std::vector<BoundaryFace>& boundary() const { return checked_.boundary; }
@@ -30,7 +28,6 @@ class TetMesh : public Component {
  private:
   MeshData data_;
   CheckedMesh checked_;
-  bool ok_ = false;
 };
 
 }  // namespace sutura

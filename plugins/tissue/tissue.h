@@ -17,8 +17,9 @@
 
 namespace sutura {
 
-/// t4: corotational linear tets. smoothed: the same tets, cured of locking (smoothed_t4.h).
-enum class TissueElement { t4, smoothed };
+/// unstated: t4, with a warning where it is too stiff. t4: corotational linear tets. smoothed: the
+/// same tets, cured of locking (smoothed_t4.h).
+enum class TissueElement { unstated, t4, smoothed };
 
 class Tissue : public Component, public SolidBody {
  public:
@@ -29,7 +30,7 @@ class Tissue : public Component, public SolidBody {
   Real density = 1000;
   Real damping_mass = 0;
   Real damping_stiffness = 0;
-  TissueElement element = TissueElement::t4;
+  TissueElement element = TissueElement::unstated;
   Index iterations = 1;
   Link<TetMesh> mesh;
   Link<TissueSolver> solver;
@@ -38,7 +39,6 @@ class Tissue : public Component, public SolidBody {
   void initialise(Setup& setup) override;
 
   // For the components that complete a tissue, from their initialise.
-  bool ok() const { return elastic_ != nullptr; }
   /// False if the region already has a material of its own.
   bool set_material(int region, const Material& material);
   void fix(const std::vector<Index>& nodes);
@@ -85,12 +85,14 @@ class Tissue : public Component, public SolidBody {
                                        Configuration c) const override;
   Vec3 surface_normal(Index triangle, Configuration c) const override;
   int region(const EmbeddedPoint& p) const override;
+  std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const override;
   Elasticity elasticity(const EmbeddedPoint& p) const override;
 
  private:
   const SolidQueries& queries(Configuration c) const {
     return queries_[static_cast<std::size_t>(c)];
   }
+  void doubt(Setup& setup) const;
   void update_materials();
   void start();
   void assemble(const StepContext& context);

@@ -29,20 +29,21 @@ void Grasper::describe(Describe<Grasper>& d) {
       "curve over the step.");
   d.link("body", &Grasper::body_, "The needle and thread.");
   d.link("track", &Grasper::track_, "The motion of the tool.");
-  d.attribute("at", &Grasper::at_, "m", at_least(0),
+  d.attribute("at", &Grasper::at_, "m", between(0, 100),
               "Abscissa of the section that the jaws hold, from the needle tip.");
   d.attribute("grasp", &Grasper::grasp_, "s", at_least(0), "Times at which the jaws close.");
   d.attribute("release", &Grasper::release_, "s", at_least(0),
               "Times at which they open; one less than grasps: they hold on.");
-  d.attribute("stiffness", &Grasper::stiffness_, "N/m", above(0), "Of the grip, in translation.");
-  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", at_least(0),
+  d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-3, 1e9),
+              "Of the grip, in translation.");
+  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e6),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
   d.output("force", "N", "Force of the jaws on the curve over the last step.",
            [](const Grasper& g) -> Vec3 { return g.wrench().force; });
   d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
            [](const Grasper& g) -> Vec3 { return g.wrench().moment; });
   d.output("holding", "1", "1 while the jaws are closed, else 0.",
-           [](const Grasper& g) -> Real { return g.holding() ? 1 : 0; });
+           [](const Grasper& g) -> Real { return g.closed() ? 1 : 0; });
   d.output("target", "m", "Where the jaws want the section; where they let go while they are open.",
            [](const Grasper& g) -> Vec3 { return g.target_.position; });
 }
@@ -64,10 +65,11 @@ void Grasper::initialise(Setup& setup) {
 }
 
 void Grasper::drive(const StepContext& context) {
-  const Index events = schedule_.events_until(context.time, 1e-6 * context.dt);
+  const Index events =
+      told_ ? Index{*told_} : schedule_.events_until(context.time, 1e-6 * context.dt);
   const bool changed = events != events_;
   events_ = events;
-  if (!holding()) {
+  if (!closed()) {
     if (changed) body_->release_hold(hold_);
     return;
   }

@@ -1,5 +1,7 @@
 #include "track.h"
 
+#include <algorithm>
+
 #include "key_frame_file.h"
 
 namespace sutura::tools {
@@ -16,13 +18,13 @@ void Track::describe(Describe<Track>& d) {
       "half a turn apart.\n\n"
       "The header of the CSV file names columns and units in any order: `t [s], x [mm], y [mm], "
       "z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is left out is zero.");
-  d.attribute("times", &Track::times_, "s", any(), "Times of the keys, increasing.");
-  d.attribute("positions", &Track::positions_, "m", any(),
+  d.attribute("times", &Track::times_, "s", between(-1e6, 1e6), "Times of the keys, increasing.");
+  d.attribute("positions", &Track::positions_, "m", between(-1000, 1000),
               "Translation at each key, x y z one after the other; left out: none.");
-  d.attribute("rotations", &Track::rotations_, "rad", any(),
+  d.attribute("rotations", &Track::rotations_, "rad", between(-1e4, 1e4),
               "Rotation vector at each key, x y z one after the other; left out: none.");
   d.attribute("file", &Track::file_, "CSV file with the keys, instead of times.");
-  d.attribute("centre", &Track::centre_, "m", any(),
+  d.attribute("centre", &Track::centre_, "m", between(-1000, 1000),
               "Rotations turn about this point: the centre of the needle's arc, say.");
   d.attribute("easing", &Track::easing_, {"linear", "smooth"},
               "Pace between two keys: constant speed, or at rest at every key (3u^2 - 2u^3).");
@@ -46,6 +48,27 @@ void Track::initialise(Setup& setup) {
   }
   frames_ = KeyFrames(std::move(keys), centre_, easing_);
   now_ = frames_.at(0);
+  dt_ = setup.dt;
+}
+
+void Track::drive(const StepContext& context) {
+  time_ = context.end();
+  now_ = at(time_);
+}
+
+Pose Track::at(Real time) const {
+  if (!is_led_) return frames_.at(time);
+  // Evenly within the step, which may be taken in parts.
+  const Real u = std::clamp((time - led_since_) / dt_, Real(0), Real(1));
+  return {from_.position + u * (to_.position - from_.position),
+          from_.rotation.slerp(u, to_.rotation)};
+}
+
+void Track::lead(const Pose& pose) {
+  from_ = at(time_);
+  led_since_ = time_;
+  to_ = pose;
+  is_led_ = true;
 }
 
 std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {
@@ -85,9 +108,14 @@ std::vector<KeyFrame> Track::keys_from_file(Setup& setup) {
     if (p.line > 0) {
       setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
     } else {
-      setup.error(*this, file.string() + ": " + p.message, Category::file);
+      const bool is_there = std::filesystem::exists(file);
+      setup.error(
+          *this,
+          file.string() + ": " + p.message + (is_there ? "" : setup.did_you_mean_file(file_.path)),
+          Category::file);
     }
   }
+  if (problems.empty()) setup.note_if_outside(*this, file_.path);
   return keys;
 }
 

@@ -6,20 +6,21 @@
 #include "key_frames.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
+#include "sutura/tool.h"
 
 namespace sutura::tools {
 
-class Track : public Component, public Driver {
+class Track : public Component, public Driver, public Tool {
  public:
   static constexpr const char* interface_name = "Track";
   static void describe(Describe<Track>& d);
 
   void initialise(Setup& setup) override;
-  void drive(const StepContext& context) override { now_ = frames_.at(context.end()); }
+  void drive(const StepContext& context) override;
 
-  /// The rigid motion of space at `time` (see key_frames.h); the pose of the tool, if the tool was
-  /// modelled at the origin.
-  Pose at(Real time) const { return frames_.at(time); }
+  // Tool
+  Pose at(Real time) const override;
+  void lead(const Pose& pose) override;
 
  private:
   std::vector<KeyFrame> keys_from_attributes(Setup& setup);
@@ -33,7 +34,14 @@ class Track : public Component, public Driver {
   Easing easing_ = Easing::linear;
 
   KeyFrames frames_;
-  Pose now_;  ///< at the end of the last step, for the outputs
+  Pose now_;       ///< at the end of the last step
+  Real time_ = 0;  ///< of now_ (s)
+  Real dt_ = 0;
+
+  // Once a host leads: from where, at which time, and where to within the step that follows.
+  bool is_led_ = false;
+  Real led_since_ = 0;
+  Pose from_, to_;
 };
 
 }  // namespace sutura::tools

@@ -102,7 +102,8 @@ int run(const RunArguments& arguments) {
       arguments.output.empty()
           ? "out/" + std::filesystem::path(arguments.scene.scene).stem().string()
           : arguments.output;
-  const auto simulation = Simulation::compile(std::move(scene), output, diagnostics);
+  const auto simulation =
+      Simulation::compile(std::move(scene), output, diagnostics, arguments.scene.allow_outside);
   const int load_code = report(diagnostics);
   if (!simulation) return load_code;
 
