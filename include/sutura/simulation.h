@@ -42,7 +42,16 @@ class Driver {
  public:
   static constexpr const char* interface_name = "Driver";
   virtual ~Driver() = default;
+  /// Once per step; and once before the first one, with a step of no length, where a body settles.
   virtual void drive(const StepContext& context) = 0;
+};
+
+/// Where a tool is at any time: a rigid motion of space, x(t) = at(t).position + at(t).rotation * x.
+class Motion {
+ public:
+  static constexpr const char* interface_name = "Motion";
+  virtual ~Motion() = default;
+  virtual Pose at(Real time) const = 0;  ///< time in s
 };
 
 class Simulation;
@@ -92,6 +101,7 @@ class Simulation {
  private:
   Simulation();
   bool has_approximate_body() const;
+  bool settle(Diagnostics& diagnostics);
   void check_compliance(const StepContext& context);
   std::unique_ptr<Scene> scene_;
   std::vector<NamedBody> bodies_;

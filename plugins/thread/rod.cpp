@@ -49,7 +49,7 @@ void Rod::build(const RodLayout& layout) {
   free_twist_ = twist_;
   tension_ = twist_;
   for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_,
-                  &before_velocity_, &correction_, &constraint_force_})
+                  &before_velocity_, &correction_, &constraint_force_, &load_})
     v->clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -65,12 +65,17 @@ void Rod::reserve(Index beams) {
   for (auto* poses : {&rest_, &pose_, &free_}) poses->reserve(n);
   for (auto* reals : {&twist_, &free_twist_, &tension_}) reals->reserve(n);
   for (auto* v : {&velocity_, &free_velocity_, &free_correction_, &last_force_, &rhs_, &scratch_,
-                  &before_velocity_, &correction_, &constraint_force_})
+                  &before_velocity_, &correction_, &constraint_force_, &load_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);
   work_.clamped.reserve(clamped_.size());
   work_.springs.reserve(springs_.size());
+}
+
+void Rod::set_load(const VecX& load) {
+  load_.clear(dofs());
+  if (load.size() == dofs()) load_ = load;
 }
 
 void Rod::clamp(Index node) {
@@ -181,7 +186,7 @@ void Rod::assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& pos
         plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
                       so * s.ta.dot(s.tb) + ro);
   }
-  rhs_ += dt * constraint_force_;
+  rhs_ += dt * (constraint_force_ + load_);
   apply_springs(dt, fall, poses, v, first);
   for (const Index node : clamped_) {
     for (int d = 0; d < 6; ++d) matrix_.fix(node, d);

@@ -75,6 +75,8 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
+  /// Dead loads of the steps to come (N, N m; 6 per node), or empty: none.
+  void set_load(const VecX& load);
   /// Where constraints are expected to hold the rod at the end of the next step; emptied by it.
   std::vector<Guide>& guides() { return guides_; }
   const DofVector& free_velocity() const { return free_velocity_; }
@@ -179,6 +181,7 @@ class Rod {
   std::vector<Real> twist_, free_twist_;
   std::vector<Real> tension_;  ///< of the linearisation, N
   std::vector<Guide> guides_;
+  DofVector load_;
   DofVector constraint_force_;  ///< of the last step: what the next one expects to feel again
   DofVector velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_,
       before_velocity_, correction_;

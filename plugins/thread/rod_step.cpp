@@ -139,7 +139,7 @@ bool Rod::expected_motion(Real dt, const Vec3& gravity) {
   for (;; ++passes_) {
     if (part == 1 && passes_ >= newton_iterations &&
         free_energy(gravity).total() <=
-            start_energy_ + slack + dt * constraint_force_.dot(free_velocity_))
+            start_energy_ + slack + dt * (constraint_force_ + load_).dot(free_velocity_))
       return true;
     if (passes_ >= most_passes) break;
     if (passes_ == 1 && !ahead) {
@@ -163,7 +163,8 @@ bool Rod::expected_motion(Real dt, const Vec3& gravity) {
 /// squared difference, in the norm of the mass, to the velocity that inertia alone would keep.
 /// Weight is in the potential energy.
 Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
-  Real sum = spring_energy(free_) + guide_energy() - dt * constraint_force_.dot(free_velocity_);
+  Real sum = spring_energy(free_) + guide_energy() -
+             dt * (constraint_force_ + load_).dot(free_velocity_);
   ElementState s;
   scratch_ = free_velocity_ - velocity_;
   for (Index e = 0; e < beams(); ++e) {
@@ -230,7 +231,7 @@ bool Rod::descend(Real dt, const Vec3& gravity) {
     value = next;
   }
   const Energy end = free_energy(gravity);
-  const Real left = start_energy_ + dt * constraint_force_.dot(free_velocity_) - end.potential;
+  const Real left = start_energy_ + dt * (constraint_force_ + load_).dot(free_velocity_) - end.potential;
   if (end.kinetic > left) keep_ = std::sqrt(std::max(left, 0.) / end.kinetic);
   return true;
 }

@@ -26,6 +26,11 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.attribute(
       "iterations", &Tissue::iterations, at_least(1),
       "Linearisations per step, at least; a step whose motion would gain energy takes up to five.");
+  d.attribute("velocity", &Tissue::velocity, "m/s", any(), "Velocity at the start.");
+  d.attribute("spin", &Tissue::spin, "rad/s", any(),
+              "Angular velocity at the start, about the centre of mass.");
+  d.attribute("settle", &Tissue::settles,
+              "Start at rest, in balance under weight and loads, instead of in the mesh's shape.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.")
       .optional();
@@ -103,6 +108,7 @@ void Tissue::update_materials() {
     for (const Index i : t) mass_[i] += material.density * volume / 4;
   }
   elastic_->set_materials(tet_material_);
+  start_moving();
 }
 
 void Tissue::fix(const std::vector<Index>& nodes) {

@@ -36,6 +36,8 @@ std::string Tissue::trouble() const {
 /// What has to wait until every Layer and Attach has spoken.
 void Tissue::start() {
   solver_->analyse(A_->pattern(), fixed_, {});
+  for (std::size_t i = 0; i < fixed_.size(); ++i)
+    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
   started_ = true;
 }
 
@@ -56,6 +58,8 @@ void Tissue::linearise(const StepContext& context) {
   elastic_force_.setZero();
   x_free_ = x_ + h * guess_;
   elastic_->linearise(x_free_, h * h + h * beta, *A_, elastic_force_);
+  add_supports(h * h + h * beta);
+  if (load().size() == dofs()) elastic_force_ += load();
   A_->add_diagonal(mass_, 1 + h * alpha);
 
   // h beta K u = beta / (h + beta) (A u - (1 + h alpha) M u): K itself is never formed.
@@ -95,6 +99,7 @@ bool Tissue::gains_energy(const StepContext& context, bool pushed) {
   }
   if (!(farthest > 0.25 * edge_length_)) return false;
   if (pushed) work += h * constraint_force_.dot(v_free_);
+  if (load().size() == dofs()) work += h * load().dot(v_free_);
   before += elastic_->energy(x_);
   x_free_ = x_ + h * v_free_;
   after += elastic_->energy(x_free_);
@@ -104,6 +109,7 @@ bool Tissue::gains_energy(const StepContext& context, bool pushed) {
 void Tissue::free_motion(const StepContext& context) {
   if (!started_) start();
   const Real h = context.dt;
+  carry_fixed_nodes(h);
   guess_.setZero(dofs());
   solver_trouble_.clear();
   linearise(context);
@@ -158,6 +164,7 @@ void Tissue::correct(const StepContext& context, const VecX& force) {
   }
   v_ = v_free_;
   x_ += h * v_;
+  note_support_reactions();
   queries_[static_cast<std::size_t>(Configuration::current)].move(x_);
 }
 

@@ -4,12 +4,13 @@
 #include <vector>
 
 #include "key_frames.h"
+#include "sutura/body.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
 
 namespace sutura::tools {
 
-class Track : public Component, public Driver {
+class Track : public Component, public Driver, public Motion {
  public:
   static constexpr const char* interface_name = "Track";
   static void describe(Describe<Track>& d);
@@ -19,19 +20,23 @@ class Track : public Component, public Driver {
 
   /// The rigid motion of space at `time` (see key_frames.h); the pose of the tool, if the tool was
   /// modelled at the origin.
-  Pose at(Real time) const { return frames_.at(time); }
+  Pose at(Real time) const override { return frames_.at(time); }
 
  private:
   std::vector<KeyFrame> keys_from_attributes(Setup& setup);
   std::vector<KeyFrame> keys_from_file(Setup& setup);
+  bool find_axis(Setup& setup);
 
   std::vector<Real> times_;
   std::vector<Real> positions_;
   std::vector<Real> rotations_;
+  std::vector<Real> turns_;
+  Link<CurveBody> about_;
   File file_;
   Vec3 centre_ = Vec3::Zero();
   Easing easing_ = Easing::linear;
 
+  Vec3 axis_ = Vec3::Zero();  ///< of the needle that `about` names
   KeyFrames frames_;
   Pose now_;  ///< at the end of the last step, for the outputs
 };

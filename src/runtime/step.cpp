@@ -11,8 +11,9 @@ const StepReport& Simulation::step() {
       .dt = scene_->dt, .time = report_.time, .step = report_.step, .gravity = scene_->gravity};
   StageTimer timer(report_.seconds);
 
-  // Tracks and graspers say where the tools are at the end of the step.
+  // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
+  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   for (Driver* driver : drivers_) driver->drive(context);
 
   // Every body alone, as if nothing touched it: A dv = b, x_free.

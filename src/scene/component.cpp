@@ -1,5 +1,6 @@
 #include "sutura/component.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sutura {
@@ -7,6 +8,10 @@ namespace sutura {
 Component::~Component() = default;
 
 void Component::initialise(Setup&) {}
+
+bool Component::says(std::string_view attribute) const {
+  return std::find(said_.begin(), said_.end(), attribute) != said_.end();
+}
 
 std::filesystem::path Setup::resolve(const std::string& file) const {
   return scene_directory / file;  // an absolute `file` replaces the directory
