@@ -39,10 +39,9 @@ class Band : public Component, public ConstraintSource {
     if (span.norm() < 1e-6) return;  // no direction to pull in
     const Eigen::Matrix<Real, 1, 3> along = span.normalized().transpose();
 
-    // delta = along . (x - anchor) + rest length, after free motion.
-    const Vec3 free = thread_->point(at_, Configuration::free);
-    const BlockVector<1> d_free = along * (free - anchor_) + BlockVector<1>(rest_length_);
-    block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, d_free, mode_);
+    // delta = along . (x - anchor) + rest length.
+    const BlockVector<1> gap = along * (now - anchor_) + BlockVector<1>(rest_length_);
+    block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, gap, mode_);
 
     PointJacobian J;
     thread_->jacobian(thread_->embed(at_), J);

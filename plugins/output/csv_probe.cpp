@@ -117,7 +117,7 @@ std::string CsvProbe::start(const Simulation& simulation) {
     header += std::visit(HeaderOf{name.substr(name.front() == '/' ? 1 : 0), unit},
                          column.output->read(*column.component));
   }
-  if (report_) header += ",rows,sweeps,residual,violation [m]";
+  if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
   for (const Component* other : simulation.scene().components()) {
     if (other == this) break;
     const auto* probe = dynamic_cast<const CsvProbe*>(other);
@@ -136,7 +136,9 @@ std::string CsvProbe::record(const Simulation&, const StepReport& report) {
   for (const Column& c : columns_) row_ += std::visit(ValueOf{}, c.output->read(*c.component));
   if (report_) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
-            format_real(report.solve.residual) + "," + format_real(report.solve.violation);
+            format_real(report.solve.residual) + "," + format_real(report.violation) + "," +
+            std::to_string(report.passes) + "," + std::to_string(report.parts) + "," +
+            format_real(report.worst_imbalance().relative) + "," + (report.solved ? "1" : "0");
   }
   return out_.append(row_ + "\n");
 }

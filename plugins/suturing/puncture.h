@@ -27,6 +27,7 @@ class Puncture : public Component, public ConstraintSource {
   Front find_exit();
   Front find_layer();
   void begin_bite();
+  void follow_front();
   bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
@@ -41,6 +42,7 @@ class Puncture : public Component, public ConstraintSource {
   Index source_id_ = 0;
 
   Front front_ = Front::none;
+  bool blocked_ = false;   ///< the front holds the tip from the inside
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
   int region_ = 0;        ///< of the layer the tip has got into
   BlockId block_;

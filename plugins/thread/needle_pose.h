@@ -9,9 +9,9 @@
 namespace sutura::thread {
 
 struct NeedleArc {
-  Real length = 0;                 ///< m
-  Real angle = 0;                  ///< rad; 0: straight
-  Vec3 normal = Vec3::UnitZ();     ///< turning right-handed about it advances the tip
+  Real length = 0;              ///< m
+  Real angle = 0;               ///< rad; 0: straight
+  Vec3 normal = Vec3::UnitZ();  ///< turning right-handed about it advances the tip
   Real radius() const { return length / angle; }  ///< m
 };
 

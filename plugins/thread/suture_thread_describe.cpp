@@ -10,13 +10,15 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "to the end of the thread.");
   d.theory("See docs/theory/thread.md.");
 
-  d.attribute("needle", &T::needle,
-              "The needle as one buys it, '17 mm 3/8 circle' or '26 mm straight': length, angle and "
-              "diameter, where they are not given here. From 13 to 36 mm; 1/4, 3/8, 1/2 or 5/8.");
-  d.attribute("thread", &T::thread,
-              "The thread as one buys it, '4-0 polypropylene': diameter, modulus, density and "
-              "bending factor, where they are not given here. Sizes 6-0 to 0; polypropylene, nylon, "
-              "polydioxanone, silk or polyglactin.");
+  d.attribute(
+      "needle", &T::needle,
+      "The needle as one buys it, '17 mm 3/8 circle' or '26 mm straight': length, angle and "
+      "diameter, where they are not given here. From 13 to 36 mm; 1/4, 3/8, 1/2 or 5/8.");
+  d.attribute(
+      "thread", &T::thread,
+      "The thread as one buys it, '4-0 polypropylene': diameter, modulus, density and "
+      "bending factor, where they are not given here. Sizes 6-0 to 0; polypropylene, nylon, "
+      "polydioxanone, silk or polyglactin.");
   d.attribute("needle_length", &T::needle_arc_length, "m", at_least(0),
               "Length of the needle along its arc; 0: thread without needle.");
   d.attribute("needle_angle", &T::needle_angle, "rad", between(0, 6.2),

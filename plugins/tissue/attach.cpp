@@ -34,7 +34,9 @@ void Attach::describe(Describe<Attach>& d) {
            [](const Attach& a) -> Real { return static_cast<Real>(a.selected_.size()); });
   d.output("reaction", "N",
            "Force with which this attachment holds the tissue, over the last step.",
-           [](const Attach& a) -> Vec3 { return a.tissue->reaction(a.selected_); });
+           [](const Attach& a) -> Vec3 {
+             return a.tissue->reaction(a.selected_).cwiseProduct(a.along_);
+           });
 }
 
 void Attach::initialise(Setup& setup) {
@@ -48,6 +50,7 @@ void Attach::initialise(Setup& setup) {
       return setup.error(*this, "'directions' is '" + directions.substr(0, 20) +
                                     "', expected some of the letters x, y and z, each once");
     along[axis] = true;
+    along_[static_cast<Index>(axis)] = 1;
   }
   if (directions.empty()) return setup.error(*this, "'directions' is empty; nothing would be held");
   const Index count = static_cast<Index>(tissue->mesh->data().points.size());

@@ -25,7 +25,8 @@ class Attach : public Component, public Driver {
 
  private:
   std::vector<Index> selected_;
-  bool slides_ = false;           ///< some directions stay free
+  Vec3 along_ = Vec3::Zero();   ///< 1 along the directions held, else 0
+  bool slides_ = false;         ///< some directions stay free
   std::vector<Index> handles_;  ///< of supports, or of carriers; one per node
 };
 

@@ -5,14 +5,13 @@
 namespace sutura {
 
 std::optional<CornerBox> box_of(const std::vector<Real>& numbers, const TetMesh& mesh,
-                          std::string& error) {
+                                std::string& error) {
   if (numbers.size() != 6) {
     error = "'box' has " + std::to_string(numbers.size()) + " numbers, expected 6: two corners";
     return {};
   }
   const Vec3 a(numbers[0], numbers[1], numbers[2]), b(numbers[3], numbers[4], numbers[5]);
-  const Vec3 rounding =
-      Vec3::Constant(1e-9 * (mesh.report().high - mesh.report().low).norm());
+  const Vec3 rounding = Vec3::Constant(1e-9 * (mesh.report().high - mesh.report().low).norm());
   return CornerBox{a.cwiseMin(b) - rounding, a.cwiseMax(b) + rounding};
 }
 

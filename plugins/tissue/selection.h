@@ -21,7 +21,7 @@ struct CornerBox {
 
 /// From six numbers, two opposite corners; nothing, and a sentence, if there are not six.
 std::optional<CornerBox> box_of(const std::vector<Real>& numbers, const TetMesh& mesh,
-                          std::string& error);
+                                std::string& error);
 
 struct Selection {
   std::vector<Index> nodes;         ///< ascending

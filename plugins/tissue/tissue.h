@@ -73,13 +73,17 @@ class Tissue : public Component, public SolidBody {
   int width() const override { return 3; }
   bool wants_settling() const override { return settles; }
   std::string settle(const Vec3& gravity) override;
+  void begin_step(const StepContext& context) override;
   void free_motion(const StepContext& context) override;
+  Eigen::Ref<const VecX> free_change() const override { return free_change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
-  bool compliance_is_exact() const override { return solver_->compliance_is_exact(); }
   void correct(const StepContext& context, const VecX& force) override;
+  Imbalance imbalance(const StepContext& context, const VecX& force) override;
+  Index least_passes() const override { return iterations; }
+  void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override;
   Real mass() const override;
   Vec3 centre_of_mass() const override;
@@ -105,44 +109,49 @@ class Tissue : public Component, public SolidBody {
   void update_materials();
   void start();
   void linearise(const StepContext& context);
-  void add_constraint_motion(Real h);
-  bool gains_energy(const StepContext& context, bool pushed);
+  void balance(const StepContext& context);
+  Real moved_since_linearised() const;
+  void move_queries(Configuration c, const VecX& x);
   void update_node_rotations();
   void start_moving();
-  void carry_fixed_nodes(Real h);
-  void add_supports(Real scale);
-  void note_support_reactions();
-  void move_queries();
+  void stiffen_supports(Real scale);
+  void add_outer_forces();
 
   // Input, after the layers have spoken.
   std::map<int, Material> materials_;
   std::vector<Material> tet_material_;
   std::vector<Real> mass_;   ///< lumped, per node (kg)
   std::vector<char> fixed_;  ///< per node
-  bool any_fixed_ = false, started_ = false;
+  bool started_ = false;
   Real edge_length_ = 0;  ///< mean, at rest (m)
   struct Support {
     Index node = 0;
     std::array<bool, 3> along{};
     Vec3 target = Vec3::Zero();
   };
+  Vec3 support_force(const Support& support) const;
   std::vector<Support> supports_;
+  VecX slides_;  ///< per dof: 0 where a support holds it, else 1
   Real support_stiffness_ = 0;  ///< N/m
   struct Carried {
     Index node = 0;
-    Vec3 target = Vec3::Zero(), push = Vec3::Zero();  ///< N: what its own mass takes to follow
+    Vec3 target = Vec3::Zero();
   };
   std::vector<Carried> carried_;
 
-  // State.
+  // State; during a step, the guess of its end.
   VecX x_, v_;
 
+  // The step: where it began, and what is known at the guess.
+  bool in_step_ = false;
+  VecX start_x_, start_v_;
+  VecX elastic_force_;  ///< N
+  VecX missing_;        ///< momentum due there, without constraint forces and reactions (N s)
+  VecX linearised_at_;  ///< positions at which A_ was made
+  VecX free_change_;    ///< of the velocity, to the free motion (m/s)
+
   // Caches.
-  VecX rest_, x_free_, v_free_;
-  VecX guess_;             ///< velocity about which the step was linearised (m/s)
-  VecX elastic_force_;     ///< there (N)
-  VecX residual_;          ///< momentum missing there, without constraints and reactions (N s)
-  VecX constraint_force_;  ///< of the last step (N)
+  VecX rest_;
   VecX rhs_, product_, reaction_;
   Index linearisations_ = 0;    ///< in the last step
   std::string solver_trouble_;  ///< in all of them but the last, which the solver still knows
@@ -151,7 +160,7 @@ class Tissue : public Component, public SolidBody {
   std::unique_ptr<TissueSolver> own_solver_;
   TissueSolver* solver_ = nullptr;
   std::vector<Mat3> node_rotations_;
-  std::vector<SolidQueries> queries_;  ///< rest, current, free
+  std::vector<SolidQueries> queries_;  ///< rest, start, current
 };
 
 }  // namespace sutura

@@ -1,8 +1,7 @@
 #include "tissue_load.h"
 
-#include <algorithm>
-
 #include <Eigen/LU>
+#include <algorithm>
 
 namespace sutura {
 
@@ -73,9 +72,8 @@ void TissueLoad::initialise(Setup& setup) {
                       2;
     area_ += area;
     for (const Index i : face.nodes)
-      share_[static_cast<std::size_t>(
-          std::lower_bound(part_.nodes.begin(), part_.nodes.end(), i) - part_.nodes.begin())] +=
-          area / 3;
+      share_[static_cast<std::size_t>(std::lower_bound(part_.nodes.begin(), part_.nodes.end(), i) -
+                                      part_.nodes.begin())] += area / 3;
   }
   if (on_faces)
     for (Real& w : share_) w /= area_;

@@ -38,19 +38,14 @@ void TissueProbe::describe(Describe<TissueProbe>& d) {
   });
   d.output("velocity", "m/s", "Its velocity.",
            [](const T& p) { return p.mean(p.tissue_->velocities()); });
-  d.output("strain", "1", "Strain xx, yy, zz.", [](const T& p) {
-    return diagonal(p.mean(&T::strain));
-  });
+  d.output("strain", "1", "Strain xx, yy, zz.",
+           [](const T& p) { return diagonal(p.mean(&T::strain)); });
   d.output("shear_strain", "1", "Strain xy, yz, zx (half of the engineering shear).",
-           [](const T& p) {
-             return shear(p.mean(&T::strain));
-           });
-  d.output("stress", "Pa", "Stress xx, yy, zz.", [](const T& p) {
-    return diagonal(p.mean(&T::stress));
-  });
-  d.output("shear_stress", "Pa", "Stress xy, yz, zx.", [](const T& p) {
-    return shear(p.mean(&T::stress));
-  });
+           [](const T& p) { return shear(p.mean(&T::strain)); });
+  d.output("stress", "Pa", "Stress xx, yy, zz.",
+           [](const T& p) { return diagonal(p.mean(&T::stress)); });
+  d.output("shear_stress", "Pa", "Stress xy, yz, zx.",
+           [](const T& p) { return shear(p.mean(&T::stress)); });
 }
 
 void TissueProbe::initialise(Setup& setup) {

@@ -15,11 +15,14 @@ Index Tissue::support(Index node, const std::array<bool, 3>& along) {
   for (const auto& [region, material] : materials_)
     young_of_all = std::max(young_of_all, material.young);
   support_stiffness_ = 1e6 * young_of_all * edge_length_;
+  if (slides_.size() == 0) slides_.setOnes(dofs());
+  for (Index k = 0; k < 3; ++k)
+    if (along[static_cast<std::size_t>(k)]) slides_[3 * node + k] = 0;
   return static_cast<Index>(supports_.size()) - 1;
 }
 
 Index Tissue::carrier(Index fixed_node) {
-  carried_.push_back({fixed_node, rest_.segment<3>(3 * fixed_node), Vec3::Zero()});
+  carried_.push_back({fixed_node, rest_.segment<3>(3 * fixed_node)});
   return static_cast<Index>(carried_.size()) - 1;
 }
 
@@ -31,34 +34,27 @@ void Tissue::carry_support(Index support, const Vec3& target) {
   supports_[static_cast<std::size_t>(support)].target = target;
 }
 
-/// A fixed node keeps the velocity that it has: so it is given the one that leads to its target.
-void Tissue::carry_fixed_nodes(Real h) {
-  for (Carried& c : carried_) {
-    const Vec3 v = (c.target - x_.segment<3>(3 * c.node)) / h;
-    c.push = mass_[static_cast<std::size_t>(c.node)] / h * (v - v_.segment<3>(3 * c.node));
-    v_.segment<3>(3 * c.node) = v;
-  }
+/// Along the directions that it holds (N).
+Vec3 Tissue::support_force(const Support& s) const {
+  Vec3 force = Vec3::Zero();
+  for (Index k = 0; k < 3; ++k)
+    if (s.along[static_cast<std::size_t>(k)])
+      force[k] = -support_stiffness_ * (x_[3 * s.node + k] - s.target[k]);
+  return force;
 }
 
-/// As one more elastic force with its stiffness, at x_free_.
-void Tissue::add_supports(Real scale) {
-  for (const Support& s : supports_) {
-    Real* block = A_->values() + 9 * A_->slot(s.node, s.node);
-    for (Index k = 0; k < 3; ++k) {
-      if (!s.along[static_cast<std::size_t>(k)]) continue;
-      block[4 * k] += scale * support_stiffness_;
-      elastic_force_[3 * s.node + k] -= support_stiffness_ * (x_free_[3 * s.node + k] - s.target[k]);
-    }
-  }
-}
-
-/// After the step: what supports and carried nodes add to the reactions of fixed ones.
-void Tissue::note_support_reactions() {
-  for (const Carried& c : carried_) reaction_.segment<3>(3 * c.node) += c.push;
+/// A += scale * K of the supports.
+void Tissue::stiffen_supports(Real scale) {
   for (const Support& s : supports_)
     for (Index k = 0; k < 3; ++k)
       if (s.along[static_cast<std::size_t>(k)])
-        reaction_[3 * s.node + k] = -support_stiffness_ * (x_[3 * s.node + k] - s.target[k]);
+        A_->values()[9 * A_->slot(s.node, s.node) + 4 * k] += scale * support_stiffness_;
+}
+
+/// Beside the elastic force at x_: that of supports and loads.
+void Tissue::add_outer_forces() {
+  for (const Support& s : supports_) elastic_force_.segment<3>(3 * s.node) += support_force(s);
+  if (load().size() == dofs()) elastic_force_ += load();
 }
 
 Vec3 Tissue::centre_of_mass() const {
@@ -76,21 +72,17 @@ void Tissue::start_moving() {
     v_.segment<3>(i) = velocity + spin.cross(x_.segment<3>(i) - centre);
 }
 
-void Tissue::move_queries() {
-  x_free_ = x_;
-  for (const Configuration c : {Configuration::current, Configuration::free})
-    queries_[static_cast<std::size_t>(c)].move(c == Configuration::current ? x_ : x_free_);
-}
-
 /// Newton on the potential of elasticity, supports, weight and loads, each step shortened until the
 /// potential falls. With a solver of its own: the one of the steps may be late by some of them.
 std::string Tissue::settle(const Vec3& gravity) {
-  if (!any_fixed_ && supports_.empty())
+  const bool any_fixed = std::find(fixed_.begin(), fixed_.end(), 1) != fixed_.end();
+  if (!any_fixed && supports_.empty())
     return "nothing holds this tissue, so it has no balance; it needs an Attach";
   if (!started_) start();
-  VecX outside = load().size() == dofs() ? load() : VecX(VecX::Zero(dofs()));
+  VecX weight(dofs());
   for (Index i = 0; i < dofs(); i += 3)
-    outside.segment<3>(i) += mass_[static_cast<std::size_t>(i / 3)] * gravity;
+    weight.segment<3>(i) = mass_[static_cast<std::size_t>(i / 3)] * gravity;
+  const VecX outside = load().size() == dofs() ? VecX(weight + load()) : weight;
   for (const Carried& c : carried_) x_.segment<3>(3 * c.node) = c.target;
   v_.setZero();
   const auto potential = [&](const VecX& x) {
@@ -108,13 +100,14 @@ std::string Tissue::settle(const Vec3& gravity) {
   // less than their rounding.
   const Real tolerance = 1e-6 * outside.norm(), smallest = 1e-9 * edge_length_;
   bool found = false;
+  VecX next_x;
   Real value = potential(x_), left = 0;
   for (Index i = 0; i < most; ++i) {
-    x_free_ = x_;
     A_->set_zero();
-    elastic_force_ = outside;
-    elastic_->linearise(x_free_, 1, *A_, elastic_force_);
-    add_supports(1);
+    elastic_force_ = weight;
+    elastic_->linearise(x_, 1, *A_, elastic_force_);
+    stiffen_supports(1);
+    add_outer_forces();
     for (std::size_t k = 0; k < fixed_.size(); ++k)
       if (fixed_[k]) elastic_force_.segment<3>(3 * static_cast<Index>(k)).setZero();
     left = elastic_force_.norm();
@@ -128,16 +121,16 @@ std::string Tissue::settle(const Vec3& gravity) {
     if (found) break;
     Real part = 1;
     for (int cut = 0; cut < 30; ++cut, part /= 2) {
-      x_free_ = x_ + part * rhs_;
-      const Real next = potential(x_free_);
+      next_x = x_ + part * rhs_;
+      const Real next = potential(next_x);
       // The last steps change the potential by less than its rounding.
       if (!(next < value) && part * rhs_.lpNorm<Eigen::Infinity>() > 1e-6 * edge_length_) continue;
       value = next;
       break;
     }
-    x_ = x_free_;
+    x_ = next_x;
   }
-  move_queries();
+  move_queries(Configuration::current, x_);
   if (found) return {};
   return "no balance was found, " + format_real(left) + " N of " + format_real(outside.norm()) +
          " N are left";

@@ -45,8 +45,7 @@ void Track::initialise(Setup& setup) {
   }
   if (file_.path.empty()) {
     keys = keys_from_attributes(setup);
-  } else if (!times_.empty() || !positions_.empty() || !rotations_.empty() ||
-             !turns_.empty()) {
+  } else if (!times_.empty() || !positions_.empty() || !rotations_.empty() || !turns_.empty()) {
     setup.error(*this, "keys are given twice, by 'file' and by 'times'; expected one of them");
   } else {
     keys = keys_from_file(setup);

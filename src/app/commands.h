@@ -10,7 +10,7 @@
 
 namespace sutura::app {
 
-enum ExitCode { ok = 0, usage = 1, diverged = 4, internal = 70, interrupted = 130 };
+enum ExitCode { ok = 0, usage = 1, diverged = 4, inaccurate = 5, internal = 70, interrupted = 130 };
 
 /// What `run` and `check` share.
 struct SceneArguments {
@@ -24,6 +24,7 @@ struct RunArguments {
   std::optional<Index> steps;
   std::string duration;  ///< "4 s"; empty: not given
   std::string output;    ///< folder; empty: out/NAME
+  bool lenient = false;  ///< a run that misses its tolerances ends with 0 all the same
 };
 
 struct DescribeArguments {

@@ -133,7 +133,11 @@ int run(const RunArguments& arguments) {
              std::to_string(simulation->report().step));
   if (!finite) return diverged;
   if (!file_error.empty()) return static_cast<int>(Category::file);
-  return stop_requested ? interrupted : ok;
+  if (stop_requested) return interrupted;
+  if (summary.missed() > 0 && !arguments.lenient)
+    complain("tolerance missed in " + std::to_string(summary.missed()) +
+             " steps: see the summary (--lenient accepts that)");
+  return summary.missed() > 0 && !arguments.lenient ? inaccurate : ok;
 }
 
 }  // namespace sutura::app

@@ -4,6 +4,7 @@
 
 #include "runtime/gauss_seidel_component.h"
 #include "solve/compliance_stage.h"
+#include "solve/law_check.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
@@ -66,6 +67,8 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->bodies_.push_back({c->path(), body});
       s->const_bodies_.push_back(body);
       s->report_.compliance.push_back({.body = c->path()});
+      s->report_.bodies.push_back({.body = c->path(), .imbalance = {}});
+      s->imbalance_.emplace_back();
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
@@ -91,6 +94,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   if (!s->settle(diagnostics)) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->compliance_ = std::make_unique<ComplianceStage>();
+  s->law_check_ = std::make_unique<LawCheck>();
   return s;
 }
 
