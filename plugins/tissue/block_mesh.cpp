@@ -5,6 +5,26 @@
 
 namespace sutura {
 
+namespace {
+
+/// The nodes that only holes had.
+void drop_unused(MeshData& mesh) {
+  std::vector<Index> number(mesh.points.size(), -1);
+  for (const Tet& tet : mesh.tets)
+    for (const Index i : tet) number[static_cast<std::size_t>(i)] = 0;
+  Index count = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) continue;
+    mesh.points[static_cast<std::size_t>(count)] = mesh.points[i];
+    number[i] = count++;
+  }
+  mesh.points.resize(static_cast<std::size_t>(count));
+  for (Tet& tet : mesh.tets)
+    for (Index& i : tet) i = number[static_cast<std::size_t>(i)];
+}
+
+}  // namespace
+
 void BlockMesh::describe(Describe<BlockMesh>& d) {
   d.summary(
       "A tetrahedral mesh of a block, made from its corners: a box, or any body with six faces, "
@@ -121,6 +141,7 @@ MeshData BlockMesh::build(const std::array<Vec3, 8>& corner, const std::array<In
         }
       }
   mesh.region.assign(mesh.tets.size(), 0);
+  drop_unused(mesh);
   return mesh;
 }
 
