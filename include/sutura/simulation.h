@@ -60,11 +60,12 @@ class Driver {
  public:
   static constexpr const char* interface_name = "Driver";
   virtual ~Driver() = default;
-  /// Once per step, or per part of a step that was divided; and once before the first one, with a step of no length, where a body settles.
+  /// Once per step, or per part of a step that was divided; and once before the first one, with a
+  /// step of no length, where a body settles.
   virtual void drive(const StepContext& context) = 0;
 };
 
-/// Where a tool is at any time: a rigid motion of space, x(t) = at(t).position + at(t).rotation * x.
+/// Where a tool is at any time: a rigid motion of space, x(t) = at(t).position + at(t).rotation x.
 class Motion {
  public:
   static constexpr const char* interface_name = "Motion";
