@@ -22,7 +22,7 @@ TEST(Writer, WritesWhatTheSceneSays) {
   ASSERT_TRUE(l->scene) << l->text();
   EXPECT_EQ(write_scene(*l->scene), R"(<sutura version="1" dt="0.01 s" gravity="0 0 -9.81">
   <node name="n">
-    <Ball radius="0.003 m" colour="blue" count="2"/>
+    <Ball radius="0.003 m" count="2" colour="blue"/>
   </node>
   <Rod shape="/n/ball"/>
 </sutura>
