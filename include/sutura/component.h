@@ -5,7 +5,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "sutura/diagnostics.h"
 #include "sutura/types.h"
@@ -68,6 +70,8 @@ class Component {
   const std::string& path() const { return path_; }  ///< "/skin/tissue"
   const SourceLocation& location() const { return location_; }
   const ComponentInfo& info() const { return *info_; }
+  /// Whether the scene says this attribute itself: what it says wins over what is looked up.
+  bool says(std::string_view attribute) const;
 
  private:
   friend class SceneBuilder;
@@ -75,6 +79,7 @@ class Component {
   std::string path_;
   SourceLocation location_;
   const ComponentInfo* info_ = nullptr;
+  std::vector<std::string> said_;  ///< names of the attributes in the scene
 };
 
 /// A reference to another component, by interface. Written as a path in XML; left out, it means

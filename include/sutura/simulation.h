@@ -60,6 +60,8 @@ class Driver {
  public:
   static constexpr const char* interface_name = "Driver";
   virtual ~Driver() = default;
+  /// Once per step, or per part of a step that was divided; and once before the first one, with a
+  /// step of no length, where a body settles.
   virtual void drive(const StepContext& context) = 0;
 };
 
@@ -114,6 +116,7 @@ class Simulation {
 
  private:
   Simulation();
+  bool settle(Diagnostics& diagnostics);
   using Timer = StageTimer<stage_names.size()>;
   void begin_report();
   bool balance(StepContext context, Timer& timer);

@@ -10,50 +10,6 @@
 
 namespace sutura::thread {
 
-namespace {
-constexpr Index most_beams = 200000;  // some 500 MB with the matrices of the step
-}
-
-void SutureThread::initialise(Setup& setup) {
-  if (tip_direction.norm() < 1e-9) setup.error(*this, "tip_direction must not be zero");
-  if (tip_direction.cross(plane_normal).norm() <
-          1e-6 * tip_direction.norm() * plane_normal.norm() ||
-      plane_normal.norm() < 1e-9)
-    setup.error(*this, "plane_normal must not be zero nor parallel to tip_direction");
-  const Real shortest_beams = sampling_angle > 0 ? thread_length / shortest_beam : 0;
-  if (shortest_beams > most_beams)
-    setup.error(*this, "shortest_beam: a thread of " + format_real(thread_length) +
-                           " m could be split into more than " + std::to_string(most_beams) +
-                           " beams; expected at least " + format_real(thread_length / most_beams) +
-                           " m, or a shorter thread");
-  if (!setup.ok()) return;
-  doubt_sizes(setup);
-  shape_ = {.needle_length = needle_arc_length,
-            .needle_angle = needle_angle,
-            .thread_length = thread_length,
-            .tip = tip,
-            .tip_direction = tip_direction,
-            .plane_normal = plane_normal,
-            .thread_direction = thread_direction,
-            .thread_bend_radius = thread_bend_radius,
-            .thread_rest_curvature = thread_rest_curvature};
-  build();
-}
-
-/// Sizes that are allowed, but more likely a slip of the unit.
-void SutureThread::doubt_sizes(Setup& setup) const {
-  constexpr Real longest_needle = 0.15, thickest_needle = 3e-3, thickest_thread = 2e-3;  // m
-  const auto doubt = [&](const char* attribute, Real value, Real most, const char* known) {
-    if (value > most)
-      setup.warning(*this, std::string(attribute) + " is " + format_real(value) + " m, and " +
-                               known + "; is the unit right?");
-  };
-  doubt("needle_length", needle_arc_length, longest_needle, "suture needles end at about 100 mm");
-  if (needle_arc_length > 0)
-    doubt("needle_diameter", needle_diameter, thickest_needle, "needles have up to about 2 mm");
-  doubt("thread_diameter", thread_diameter, thickest_thread, "the thickest suture has 0.9 mm");
-}
-
 /// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a
 /// hold than a third of a beam moves there instead of making a sliver.
 std::vector<Real> SutureThread::node_abscissae() const {
@@ -116,6 +72,7 @@ void SutureThread::build() {
     const CurvePlace at = place(rod_, s);
     rod_.springs().emplace_back().node = at.beam + (at.u > 0.5 ? 1 : 0);
   }
+  start_moving();
   rules_ = {.angle = sampling_angle,
             .shortest = shortest_beam,
             .longest = thread_length / static_cast<Real>(thread_beams),
@@ -132,6 +89,7 @@ void SutureThread::build() {
 
 void SutureThread::begin_step(const StepContext& context) {
   factored_ = true;
+  rod_.set_load(load());
   rod_.begin_step(context.dt, context.gravity);
 }
 
@@ -237,18 +195,9 @@ Real SutureThread::largest_strain() const {
   return largest;
 }
 
-namespace {
-/// Mean curvature of a beam, from its end tangents.
-Real curvature(const Rod& rod, Index e) {
-  const auto& p = rod.poses(Configuration::current);
-  const Vec3 ta = p[e].rotation * Vec3::UnitX(), tb = p[e + 1].rotation * Vec3::UnitX();
-  return std::atan2(ta.cross(tb).norm(), ta.dot(tb)) / rod.element(e).length;
-}
-}  // namespace
-
 Real SutureThread::largest_curvature() const {
   Real largest = 0;
-  for (Index e = 0; e < rod_.beams(); ++e) largest = std::max(largest, curvature(rod_, e));
+  for (Index e = 0; e < rod_.beams(); ++e) largest = std::max(largest, beam_curvature(rod_, e));
   return largest;
 }
 
@@ -272,7 +221,7 @@ BodyGeometry SutureThread::geometry() const {
     rod_.element_state(e, s);
     radius_field.values.push_back(rod_.section(e).radius);
     tension.values.push_back(s.tension);
-    bend.values.push_back(curvature(rod_, e));
+    bend.values.push_back(beam_curvature(rod_, e));
   }
   g.fields = {velocity, abscissa, radius_field, tension, bend};
   return g;

@@ -10,6 +10,15 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "to the end of the thread.");
   d.theory("See docs/theory/thread.md.");
 
+  d.attribute(
+      "needle", &T::needle,
+      "The needle as one buys it, '17 mm 3/8 circle' or '26 mm straight': length, angle and "
+      "diameter, where they are not given here. From 13 to 36 mm; 1/4, 3/8, 1/2 or 5/8.");
+  d.attribute(
+      "thread", &T::thread,
+      "The thread as one buys it, '4-0 polypropylene': diameter, modulus, density and "
+      "bending factor, where they are not given here. Sizes 6-0 to 0; polypropylene, nylon, "
+      "polydioxanone, silk or polyglactin.");
   d.attribute("needle_length", &T::needle_arc_length, "m", between(0, 0.5),
               "Length of the needle along its arc; 0: thread without needle.");
   d.attribute("needle_angle", &T::needle_angle, "rad", between(0, 6.2),
@@ -39,6 +48,12 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "monofilament, about 0.05 for a braid.");
   d.attribute("thread_rest_curvature", &T::thread_rest_curvature, "1/m", between(-1e5, 1e5),
               "Memory of the spool: curvature of the thread at rest, in the plane of the needle.");
+  d.attribute("thread_rest_torsion", &T::thread_rest_torsion, "1/m", between(-1e5, 1e5),
+              "Torsion of the thread at rest: with a curvature it is a helix.");
+  d.attribute("thread_rest_file", &T::thread_rest_file,
+              "CSV file with curvature and torsion along the thread at rest, instead of the two "
+              "numbers: columns s [mm], curvature [1/m], torsion [1/m]; a row holds from its s, "
+              "counted from the needle's end, to the next.");
   d.attribute("thread_beams", &T::thread_beams, between(1, 100000), "Beams of the thread.");
 
   d.attribute(
@@ -52,7 +67,16 @@ void SutureThread::describe(Describe<SutureThread>& d) {
 
   d.attribute("tip", &T::tip, "m", between(-1000, 1000), "Where the needle tip is at the start.");
   d.attribute("tip_direction", &T::tip_direction, "1", between(-1e6, 1e6),
-              "Where the tip points: the direction in which it advances.");
+              "Where the tip points, at 'tip' or at 'entry': the direction in which it advances.");
+  d.attribute("needle_centre", &T::needle_centre, "m", between(-1000, 1000),
+              "Centre of the needle's arc, with tip_angle instead of tip and tip_direction.");
+  d.attribute("tip_angle", &T::tip_angle, "rad", between(-100, 100),
+              "Where the tip is on its arc, from the lowest point (towards -z) in the sense in "
+              "which the needle advances: -90 deg is level with the centre, on the way down.");
+  d.attribute("entry", &T::entry, "m", between(-1000, 1000),
+              "Point at which the tip is to enter, along tip_direction; instead of tip.");
+  d.attribute("approach", &T::approach, "m", between(0, 1),
+              "How far before 'entry' the tip starts, along the needle's arc.");
   d.attribute(
       "plane_normal", &T::plane_normal, "1", between(-1e6, 1e6),
       "Normal of the needle's plane: turning the needle right-handed about it advances the tip "
@@ -64,6 +88,12 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Radius of the bend by which the laid out thread turns into thread_direction.");
   d.attribute("clamp", &T::clamp, {"none", "start", "end", "both"},
               "Which end sections are fixed in space, in place and direction.");
+
+  d.attribute("velocity", &T::velocity, "m/s", between(-1e4, 1e4), "Velocity at the start.");
+  d.attribute("spin", &T::spin, "rad/s", between(-1e6, 1e6),
+              "Angular velocity at the start, about the centre of mass.");
+  d.attribute("settle", &T::settles,
+              "Start at rest, in balance under weight, loads and holds, instead of as laid out.");
 
   d.attribute("damping_mass", &T::damping_mass, "1/s", between(0, 1e6),
               "Rayleigh damping, part of the mass matrix.");

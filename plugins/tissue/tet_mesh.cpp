@@ -45,13 +45,19 @@ void TetMesh::initialise(Setup& setup) {
     return;
   }
   setup.note_if_outside(*this, file.path);
-  data_ = std::move(reading.mesh);
-  for (Vec3& p : data_.points) p *= metres(unit);
-  checked_ = check_mesh(data_, unit == Unit::unstated);
+  for (Vec3& p : reading.mesh.points) p *= metres(unit);
+  take(std::move(reading.mesh), "mesh file '" + file.path + "'", setup);
+}
+
+void TetMesh::take(MeshData data, const std::string& what, Setup& setup) {
+  data_ = std::move(data);
+  // Only a file can leave its unit open.
+  checked_ = check_mesh(data_, !file.path.empty() && unit == Unit::unstated);
   for (const std::string& warning : checked_.report.warnings)
-    setup.warning(*this, "mesh file '" + file.path + "': " + warning, Category::file);
+    setup.warning(*this, what + ": " + warning, Category::file);
   if (!checked_.error.empty()) {
-    setup.error(*this, "mesh file '" + file.path + "': " + checked_.error, Category::file);
+    setup.error(*this, what + ": " + checked_.error, Category::file);
+    return;
   }
 }
 

@@ -25,6 +25,10 @@ class TetMesh : public Component {
   /// The tag of a region given by name or number; nothing, and what there is, if no tet has it.
   std::optional<int> region(const std::string& name_or_tag, std::string& error) const;
 
+ protected:
+  /// Checks `data` and keeps it; what is wrong with it is said of `what`.
+  void take(MeshData data, const std::string& what, Setup& setup);
+
  private:
   MeshData data_;
   CheckedMesh checked_;

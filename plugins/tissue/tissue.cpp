@@ -34,6 +34,11 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.attribute("iterations", &Tissue::iterations, between(1, 100),
               "Passes of the step, at least (docs/step.md); more follow where the tolerance asks "
               "for them.");
+  d.attribute("velocity", &Tissue::velocity, "m/s", between(-1e4, 1e4), "Velocity at the start.");
+  d.attribute("spin", &Tissue::spin, "rad/s", between(-1e6, 1e6),
+              "Angular velocity at the start, about the centre of mass.");
+  d.attribute("settle", &Tissue::settles,
+              "Start at rest, in balance under weight and loads, instead of in the mesh's shape.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.")
       .optional();
@@ -127,6 +132,7 @@ void Tissue::update_materials() {
     for (const Index i : t) mass_[i] += material.density * volume / 4;
   }
   elastic_->set_materials(tet_material_);
+  start_moving();
 }
 
 void Tissue::fix(const std::vector<Index>& nodes) {

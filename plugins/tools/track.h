@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "key_frames.h"
+#include "sutura/body.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
 #include "sutura/tool.h"
@@ -25,14 +26,18 @@ class Track : public Component, public Driver, public Tool {
  private:
   std::vector<KeyFrame> keys_from_attributes(Setup& setup);
   std::vector<KeyFrame> keys_from_file(Setup& setup);
+  bool find_axis(Setup& setup);
 
   std::vector<Real> times_;
   std::vector<Real> positions_;
   std::vector<Real> rotations_;
+  std::vector<Real> turns_;
+  Link<CurveBody> about_;
   File file_;
   Vec3 centre_ = Vec3::Zero();
   Easing easing_ = Easing::linear;
 
+  Vec3 axis_ = Vec3::Zero();  ///< of the needle that `about` names
   KeyFrames frames_;
   Pose now_;       ///< at the end of the last step
   Real time_ = 0;  ///< of now_ (s)

@@ -126,12 +126,28 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   for (Component* c : order.components()) {
     if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
   }
+  if (!s->settle(diagnostics)) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->compliance_ = std::make_unique<ComplianceStage>();
   s->law_check_ = std::make_unique<LawCheck>();
   s->output_directory_ = output_directory;
   s->written_files_ = written_files(setup);
   return s;
+}
+
+/// Bodies that are to begin in balance: under what the drivers say of time 0.
+bool Simulation::settle(Diagnostics& diagnostics) {
+  const auto wants = [](const NamedBody& b) { return b.body->wants_settling(); };
+  if (std::none_of(bodies_.begin(), bodies_.end(), wants)) return true;
+  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
+  for (Driver* driver : drivers_) driver->drive({.dt = 0, .gravity = scene_->gravity});
+  for (const NamedBody& b : bodies_) {
+    if (!wants(b)) continue;
+    const std::string problem = b.body->settle(scene_->gravity);
+    if (!problem.empty())
+      diagnostics.error(scene_->find(b.path)->location(), b.path, "settle: " + problem);
+  }
+  return diagnostics.ok();
 }
 
 std::string Simulation::start_recording() {

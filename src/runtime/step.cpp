@@ -51,8 +51,9 @@ void Simulation::begin_report() {
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both as measured
 /// there. False if the passes do not get that far.
 bool Simulation::balance(StepContext context, Timer& timer) {
-  // Tracks and graspers say where the tools are at the end of the step.
+  // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
+  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   for (Driver* driver : drivers_) driver->drive(context);
   for (const NamedBody& b : bodies_) b.body->begin_step(context);
   build(context, timer);

@@ -1,9 +1,15 @@
 #include "sutura/component.h"
 
+#include <algorithm>
+
 namespace sutura {
 
 Component::~Component() = default;
 
 void Component::initialise(Setup&) {}
+
+bool Component::says(std::string_view attribute) const {
+  return std::find(said_.begin(), said_.end(), attribute) != said_.end();
+}
 
 }  // namespace sutura

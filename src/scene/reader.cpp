@@ -350,6 +350,7 @@ void SceneReader::read_values(const XmlElement& element, Component& component, N
               "<" + info.name + "> needs the attribute '" + a.name + "'");
       continue;
     }
+    SceneBuilder::note(component, a.name);
     std::string why;
     if (!read_attribute(a, component, value->text, why))
       error(value->location, component.path(), a.name + ": " + why);
