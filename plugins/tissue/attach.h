@@ -6,6 +6,7 @@
 #include "sutura/component.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
+#include "sutura/tool.h"
 #include "tissue.h"
 
 namespace sutura {
