@@ -75,8 +75,12 @@ void Attach::initialise(Setup& setup) {
     if (!selection) return setup.error(*this, error);
     selected_ = selection->nodes;
     if (selected_.empty())
-      return setup.error(*this, region.empty() ? "no node of the tissue lies in 'box'"
-                                               : "no node of 'region' lies in 'box'");
+      return setup.error(*this, (region.empty() ? "no node of the tissue lies in 'box'; the mesh spans "
+                                                : "no node of 'region' lies in 'box'; the mesh spans ") +
+                                    corners(tissue->mesh->report()) +
+                                    (tissue->mesh->unit == TetMesh::Unit::unstated
+                                         ? ", taken for metres: is a unit=\"mm\" missing?"
+                                         : ""));
   }
   for (const Real number : nodes) {
     if (number != std::floor(number) || number >= static_cast<Real>(count))

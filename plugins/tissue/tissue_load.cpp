@@ -39,7 +39,6 @@ void TissueLoad::describe(Describe<TissueLoad>& d) {
 }
 
 void TissueLoad::initialise(Setup& setup) {
-  if (!tissue_->ok()) return;  // its mesh has been complained about
   if (box_.empty() && region_.empty())
     return setup.error(*this, "one of 'box' and 'region' is needed");
   if (force_.isZero(0) && moment_.isZero(0) && traction_.isZero(0) && pressure_ == 0)

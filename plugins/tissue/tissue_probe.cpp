@@ -49,7 +49,6 @@ void TissueProbe::describe(Describe<TissueProbe>& d) {
 }
 
 void TissueProbe::initialise(Setup& setup) {
-  if (!tissue_->ok()) return;  // its mesh has been complained about
   const bool part = !box_.empty() || !region_.empty();
   if (says("point") == part) {
     setup.error(*this, part ? "'point' and a part are both given; expected one of them"

@@ -136,8 +136,8 @@ int run(const RunArguments& arguments) {
   if (!file_error.empty()) return static_cast<int>(Category::file);
   if (stop_requested) return interrupted;
   if (summary.missed() > 0 && !arguments.lenient)
-    complain("tolerance missed in " + std::to_string(summary.missed()) +
-             " steps: see the summary (--lenient accepts that)");
+    complain(std::to_string(summary.missed()) +
+             " steps are less accurate than asked, or faulty: see the summary (--lenient accepts that)");
   return summary.missed() > 0 && !arguments.lenient ? inaccurate : ok;
 }
 
