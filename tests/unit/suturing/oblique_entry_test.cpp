@@ -36,7 +36,7 @@ struct ObliqueNeedle : RigidNeedle {
   }
   Vec3 ahead() const { return {std::cos(angle), 0, -std::sin(angle)}; }
   Vec3 point(Real s, Configuration c) const override {
-    return ((c == Configuration::free      ? free_
+    return ((c == Configuration::start     ? start_
              : c == Configuration::current ? now_
                                            : 0) -
             s) *
