@@ -1,0 +1,168 @@
+// One implicit Euler step of a rod: what balances at its end, and how it gets there.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "rod_builder.h"
+
+namespace sutura::thread {
+namespace {
+
+const Vec3 gravity(0, 0, -9.81);
+
+/// Free, bent to waves, thrown in waves of about `speed` (m/s) that turn and spin its sections.
+Rod thrown(Real speed) {
+  RodLayout layout = straight_layout(0.2, 40, nylon());
+  for (std::size_t i = 0; i < layout.start.size(); ++i) {
+    const Real x = layout.abscissa[i];
+    layout.start[i].position.z() = 2e-3 * std::sin(30 * x);
+    layout.start[i].rotation =
+        Quat(Eigen::AngleAxis<Real>(-std::atan(0.06 * std::cos(30 * x)), Vec3::UnitY()));
+  }
+  Rod rod;
+  rod.build(layout);
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const Real x = rod.abscissa()[i];
+    rod.velocity().segment<3>(6 * i) =
+        speed * Vec3(0.3, std::sin(20 * x), 0.5 + std::cos(15 * x));
+    rod.velocity().segment<3>(6 * i + 3) =
+        speed * Vec3(20, 15 * std::sin(15 * x), 20 * std::cos(20 * x));
+  }
+  return rod;
+}
+
+TEST(RodStep, AThrownRodBalancesAndKeepsItsMomentumAtAnyStep) {
+  for (const Real dt : {1e-4, 1e-3, 5e-3, 20e-3, 50e-3}) {
+    Rod rod = thrown(0.5);
+    const VecX none = VecX::Zero(rod.dofs());
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 before = rod.momentum();
+      ASSERT_GT(rod.advance(dt, gravity, none), 0) << dt << ' ' << i;
+      EXPECT_LE(rod.imbalance(none).relative, 1e-9);
+      // Inner forces cancel in the sum, so what can be missing is rounding and the imbalance of
+      // the nodes that the step leaves.
+      const Real left = dt * rod.imbalance(none).force * static_cast<Real>(rod.nodes());
+      EXPECT_LE((rod.momentum() - before - dt * rod.mass() * gravity).norm(),
+                left + 1e-12 * (before.norm() + dt * rod.mass() * gravity.norm()))
+          << dt << ' ' << i;
+    }
+  }
+}
+
+TEST(RodStep, DampingAgainstAStandingWorldTakesItsShareOfMomentum) {
+  // M (v - v_start) = -h alpha M v for the whole rod.
+  Rod rod = thrown(0.5);
+  rod.damping_mass = 7;
+  rod.damping_stiffness = 1e-3;
+  const Vec3 before = rod.momentum();
+  ASSERT_GT(rod.advance(0.01, Vec3::Zero(), VecX::Zero(rod.dofs()), 1e-9), 0);
+  const Real left = 0.01 * rod.imbalance(VecX::Zero(rod.dofs())).force * 41;
+  EXPECT_LE((rod.momentum() - before / (1 + 0.01 * 7)).norm(), left + 1e-12 * before.norm());
+}
+
+// The matrix is the derivative of the balance except for the turning of the tangents: each pass
+// gains digits, and a few are enough for all of them.
+TEST(RodStep, PassesConvergeFast) {
+  for (const Real dt : {1e-3, 10e-3}) {
+    Rod rod = thrown(0.3);
+    const VecX none = VecX::Zero(rod.dofs());
+    for (int i = 0; i < 50; ++i) {
+      const Index passes = rod.advance(dt, gravity, none);
+      ASSERT_GT(passes, 0) << dt << ' ' << i;
+      EXPECT_LE(passes, 12) << dt << ' ' << i;
+    }
+  }
+}
+
+TEST(RodStep, ImbalanceIsTheForceThatIsMissing) {
+  Rod rod;
+  rod.build(straight_layout(0.1, 20, nylon()));
+  rod.begin_step(0.01, Vec3::Zero());
+  VecX force = VecX::Zero(rod.dofs());
+  EXPECT_EQ(rod.imbalance(force).force, 0);
+  EXPECT_EQ(rod.imbalance(force).relative, 0);
+  force.segment<3>(6 * 7) = Vec3(0, 3e-3, 4e-3);
+  EXPECT_NEAR(rod.imbalance(force).force, 5e-3, 1e-12);
+  // Nothing else is at work there but the rounding of the strain (1e-10 EA).
+  EXPECT_NEAR(rod.imbalance(force).relative, 1, 1e-4);
+  // The answer takes it away.
+  for (int pass = 0; pass < 3; ++pass) {
+    ASSERT_TRUE(rod.linearise(force));
+    rod.correct(VecX::Zero(rod.dofs()));
+  }
+  EXPECT_LT(rod.imbalance(force).relative, 1e-9);
+  rod.end_step();
+}
+
+/// Largest distance of a node (m) between two rods of the same sampling.
+Real distance(const Rod& a, const Rod& b) {
+  Real worst = 0;
+  for (std::size_t i = 0; i < a.abscissa().size(); ++i)
+    worst = std::max(worst, (a.poses(Configuration::current)[i].position -
+                             b.poses(Configuration::current)[i].position)
+                                .norm());
+  return worst;
+}
+
+// The end of a step does not depend on how its forces became known.
+TEST(RodStep, ForcesMayComeInChanges) {
+  Rod at_once = thrown(0.2), in_parts = at_once;
+  VecX force = VecX::Zero(at_once.dofs());
+  force.segment<3>(6 * 12) = Vec3(0, 2e-3, -1e-3);
+  force.segment<3>(6 * 30 + 3) = Vec3(1e-6, 0, 2e-6);
+  ASSERT_GT(at_once.advance(0.005, gravity, force), 0);
+  VecX known = VecX::Zero(at_once.dofs());
+  in_parts.begin_step(0.005, gravity);
+  for (int pass = 0; pass < 20; ++pass) {
+    ASSERT_TRUE(in_parts.linearise(known));
+    const VecX change = pass < 4 ? VecX(0.25 * force) : VecX(VecX::Zero(force.size()));
+    in_parts.correct(change);
+    known += change;
+  }
+  EXPECT_LE(in_parts.imbalance(force).relative, 1e-9);
+  in_parts.end_step();
+  // The weakest of a step is inertia: 1e-9 of forces of 1e-2 N on beams of 1e-7 kg for 5 ms.
+  EXPECT_LT(distance(at_once, in_parts), 1e-8);
+}
+
+TEST(RodStep, AStepBegunAnewForgetsTheFirstTry) {
+  Rod once = thrown(0.2), again = once;
+  const VecX none = VecX::Zero(once.dofs());
+  again.begin_step(0.02, gravity);
+  for (int pass = 0; pass < 3; ++pass) {
+    ASSERT_TRUE(again.linearise(none));
+    again.correct(none);
+  }
+  const Index passes = once.advance(0.005, gravity, none);
+  EXPECT_EQ(again.advance(0.005, gravity, none), passes);
+  EXPECT_EQ(distance(once, again), 0);
+  EXPECT_EQ(once.velocity(), again.velocity());
+}
+
+TEST(RodStep, AClampHoldsAndASpringPullsWithWhatItSays) {
+  Rod rod;
+  rod.build(straight_layout(0.1, 20, nylon()));
+  rod.clamp(0);
+  NodeSpring& spring = rod.springs().emplace_back();
+  spring.node = 20;
+  spring.active = true;
+  spring.target = rod.poses(Configuration::current)[20];
+  spring.target.position += Vec3(0, 0, 5e-3);
+  spring.stiffness = {.translation = 2, .rotation = 1e-5};
+  const VecX none = VecX::Zero(rod.dofs());
+  for (int i = 0; i < 400; ++i) {
+    ASSERT_GT(rod.advance(0.02, gravity, none), 0) << i;
+    const auto& now = rod.poses(Configuration::current);
+    ASSERT_EQ(now[0].position, Vec3(Vec3::Zero()));
+    const Vec3 pull = 2 * (spring.target.position - now[20].position);
+    EXPECT_LT((spring.applied.force - pull).norm(), 1e-15);
+  }
+  // At rest the matrix of the static problem agrees: what the step found is an equilibrium.
+  const auto rested = rod.poses(Configuration::current)[20].position;
+  ASSERT_TRUE(rod.equilibrium(gravity, none).converged);
+  EXPECT_LT((rod.poses(Configuration::current)[20].position - rested).norm(), 1e-7);
+}
+
+}  // namespace
+}  // namespace sutura::thread
