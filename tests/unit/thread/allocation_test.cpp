@@ -41,11 +41,16 @@ TEST(Allocation, NoneInTheStep) {
     rod.clamp(0);
     const VecX none = VecX::Zero(rod.dofs());
     const long before = allocations;
-    Index passes = 0;
-    for (int i = 0; i < 10; ++i)
-      passes = std::max(passes, rod.advance(0.01, Vec3(0, 0, -9.81), none));
+    Index most = 0;
+    bool solved = true;
+    for (int i = 0; i < 10; ++i) {
+      const Index passes = rod.advance(0.01, Vec3(0, 0, -9.81), none, 1e-5);
+      solved = solved && passes > 0;
+      most = std::max(most, passes);
+    }
     EXPECT_EQ(allocations, before) << (violent ? "violent" : "calm");
-    EXPECT_EQ(passes > 9, violent);  // beams that turn too far for one pass were there
+    // The violent one is no step that passes can solve: it goes through all that a pass may do.
+    EXPECT_TRUE(violent || (solved && most < 10)) << most;
   }
 }
 
