@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdlib>
 
+#include "divided_step.h"
 #include "rod_builder.h"
 #include "solve/gauss_seidel.h"
 #include "step_alone.h"
@@ -44,7 +45,7 @@ TEST(Allocation, NoneInTheStep) {
     Index most = 0;
     bool solved = true;
     for (int i = 0; i < 10; ++i) {
-      const Index passes = rod.advance(0.01, Vec3(0, 0, -9.81), none, 1e-5);
+      const Index passes = rod.advance(0.01, Vec3(0, 0, -9.81), none, well_balanced);
       solved = solved && passes > 0;
       most = std::max(most, passes);
     }

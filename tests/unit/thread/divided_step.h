@@ -7,8 +7,8 @@
 
 namespace sutura::thread {
 
-/// Rounding leaves 1e-14 of EA, which of a steel wire under its own weight is 3e-6 of the forces.
-inline constexpr Real well_balanced = 1e-5;
+/// Rounding leaves up to 1e-14 of EA, and a beam counts 1e-10 of EA as at work, whatever else is.
+inline constexpr Real well_balanced = 1e-4;
 
 /// False if some part cannot be solved even at its shortest.
 inline bool divided_step(Rod& rod, Real dt, const Vec3& gravity, Real tolerance = well_balanced) {

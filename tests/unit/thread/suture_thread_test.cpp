@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rod.h"
+#include "divided_step.h"
 #include "step_alone.h"
 
 namespace sutura::thread {
@@ -22,8 +22,8 @@ struct Suture {
   void steps(int count, Real dt = 0.01, const Vec3& gravity = Vec3::Zero()) {
     for (int i = 0; i < count; ++i) {
       const StepContext context{.dt = dt, .time = time, .step = i, .gravity = gravity};
-      // Of steel, rounding leaves some 1e-6.
-      if (test::step_alone(thread, context, {.tolerance = 1e-5, .passes = 100}) == 0) ++unbalanced;
+      if (test::step_alone(thread, context, {.tolerance = well_balanced, .passes = 100}) == 0)
+        ++unbalanced;
       time += dt;
     }
   }
