@@ -30,7 +30,9 @@ class Curve : public Component, public CurveBody {
 
   Index dofs() const override { return 6; }
   int width() const override { return 6; }
-  void free_motion(const StepContext&) override {}
+  void begin_step(const StepContext&) override {}
+  void linearise(const StepContext&, const VecX&) override {}
+  Eigen::Ref<const VecX> change() const override { return still_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
     return point(p.weights[0], c);
   }
@@ -41,6 +43,8 @@ class Curve : public Component, public CurveBody {
     pose_.rotation = target_.rotation;
     pose_.position = target_.position - pose_.rotation * Vec3(hold_at_, 0, 0);
   }
+  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
+  void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }
   Real mass() const override { return 1; }
   Real energy() const override { return 0; }
@@ -78,6 +82,7 @@ class Curve : public Component, public CurveBody {
   Wrench hold_wrench(Index) const override { return applied(); }
 
  private:
+  VecX still_ = VecX::Zero(6);
   Real length_ = 0.1;
   Vec3 origin_ = Vec3::Zero();
   Pose pose_;
