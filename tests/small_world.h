@@ -140,7 +140,8 @@ inline EmbeddedPoint node(Index i) {
   return {i, {}};
 }
 
-/// Bodies and one function that builds the blocks at a guess; it is asked once more after each pass.
+/// Bodies and one function that builds the blocks at a guess; it is asked once more after each
+/// pass.
 class SmallWorld {
  public:
   using Build = std::function<void(ConstraintBuilder&)>;

@@ -112,7 +112,8 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
                 c = share_of(p.bodies[tissue], x[tissue], b);
     const VecX lambda = p.lambda.segment(b.first_row, dim);
     const Vec3 f = a.force.leftCols(dim) * lambda;
-    Vec3 at = curve->frame(0, Configuration::current).position;  // puncture and cutting act on the tip
+    Vec3 at =
+        curve->frame(0, Configuration::current).position;  // puncture and cutting act on the tip
     if (is(b, Bilateral<2>::name)) {
       at = on_thread[sample(b)] = lever(a, dim);
       // The search is local: help it where the thread is curved.

@@ -62,8 +62,8 @@ Comparison compare(const Case& c) {
     r.travelled = std::max(r.travelled, (there - x).cwiseAbs().maxCoeff());
   }
   std::cout << "  " << c.name << ": apart " << r.apart << " m, travelled " << r.travelled
-            << " m, imbalance " << r.imbalance << ", iterations " << r.iterations << ", age " << r.age
-            << "\n";
+            << " m, imbalance " << r.imbalance << ", iterations " << r.iterations << ", age "
+            << r.age << "\n";
   return r;
 }
 

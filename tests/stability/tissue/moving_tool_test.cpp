@@ -52,9 +52,9 @@ struct Ball : Component, ConstraintSource {
 };
 
 struct Slide {
-  Real violation = 0;    ///< worst, m
-  Index passes = 0;      ///< in all
-  Index age = 0;         ///< largest
+  Real violation = 0;  ///< worst, m
+  Index passes = 0;    ///< in all
+  Index age = 0;       ///< largest
   VecX x;
 };
 

@@ -18,10 +18,10 @@ struct ReportScene {
                              ::testing::UnitTest::GetInstance()->current_test_info()->name() +
                              ".msh";
     test::write_msh(test::kuhn_block({6, 2, 2}, Vec3(0.06, 0.02, 0.02)), file);
-    scene =
-        std::make_unique<TissueScene>("<TetMesh file='" + file + "' unit='m'/>" + solver +
-                                          "<Tissue young='10 kPa'/><Attach box='0 0 0 0 20 20 mm'/>",
-                                      "0 0 -9.81", "10 ms", nullptr, limits);
+    scene = std::make_unique<TissueScene>(
+        "<TetMesh file='" + file + "' unit='m'/>" + solver +
+            "<Tissue young='10 kPa'/><Attach box='0 0 0 0 20 20 mm'/>",
+        "0 0 -9.81", "10 ms", nullptr, limits);
     EXPECT_TRUE(scene->diagnostics.ok()) << test::all_messages(scene->diagnostics);
   }
   /// Whether the report of this step has a message that starts with the path and holds `words`.

@@ -54,12 +54,12 @@ Real violation_of_contact(Real w, Real lambda, Real delta) {
 }
 
 TEST(LawCheck, AContactIsOffByItsDepthOrByWhatItsForceHoldsOpen) {
-  const Real w = 0.5;  // m/N
-  EXPECT_EQ(violation_of_contact(w, 0, 2e-3), 0);                    // open
-  EXPECT_NEAR(violation_of_contact(w, 0, -2e-3), 2e-3, 1e-15);       // inside, nothing pushes
-  EXPECT_NEAR(violation_of_contact(w, 1, -2e-3), 2e-3, 1e-15);       // inside, pushed too little
-  EXPECT_NEAR(violation_of_contact(w, 1, 2e-3), 2e-3, 1e-15);        // pushed off the surface
-  EXPECT_NEAR(violation_of_contact(w, 1e-3, 2e-3), 0.5e-3, 1e-15);   // a force too weak for that
+  const Real w = 0.5;                                               // m/N
+  EXPECT_EQ(violation_of_contact(w, 0, 2e-3), 0);                   // open
+  EXPECT_NEAR(violation_of_contact(w, 0, -2e-3), 2e-3, 1e-15);      // inside, nothing pushes
+  EXPECT_NEAR(violation_of_contact(w, 1, -2e-3), 2e-3, 1e-15);      // inside, pushed too little
+  EXPECT_NEAR(violation_of_contact(w, 1, 2e-3), 2e-3, 1e-15);       // pushed off the surface
+  EXPECT_NEAR(violation_of_contact(w, 1e-3, 2e-3), 0.5e-3, 1e-15);  // a force too weak for that
   EXPECT_EQ(violation_of_contact(w, 1, 0), 0);
 }
 

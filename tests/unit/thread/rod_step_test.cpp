@@ -23,8 +23,7 @@ Rod thrown(Real speed) {
   rod.build(layout);
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Real x = rod.abscissa()[i];
-    rod.velocity().segment<3>(6 * i) =
-        speed * Vec3(0.3, std::sin(20 * x), 0.5 + std::cos(15 * x));
+    rod.velocity().segment<3>(6 * i) = speed * Vec3(0.3, std::sin(20 * x), 0.5 + std::cos(15 * x));
     rod.velocity().segment<3>(6 * i + 3) =
         speed * Vec3(20, 15 * std::sin(15 * x), 20 * std::cos(20 * x));
   }
@@ -123,8 +122,8 @@ TEST(RodStep, ForcesMayComeInChanges) {
   }
   EXPECT_LE(in_parts.imbalance(force).relative, balanced);
   in_parts.end_step(force);
-  // A hundred-thousandth of what is at work, 1 mN at most, on a rod of 16 mg that nothing but its inertia
-  // holds: in 5 ms that is 1e-8 m, for each of the two.
+  // A hundred-thousandth of what is at work, 1 mN at most, on a rod of 16 mg that nothing but its
+  // inertia holds: in 5 ms that is 1e-8 m, for each of the two.
   EXPECT_LT(distance(at_once, in_parts), 2e-8);
 }
 

@@ -139,7 +139,8 @@ TEST_P(Tangent, ForceAloneIsThatOfTheLinearisationToTheBit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Tangent,
-                         ::testing::Values(Family{"t4_nu30", &t4, 0.3}, Family{"t4_nu49", &t4, 0.49},
+                         ::testing::Values(Family{"t4_nu30", &t4, 0.3},
+                                           Family{"t4_nu49", &t4, 0.49},
                                            Family{"smoothed_nu30", &smoothed, 0.3},
                                            Family{"smoothed_nu45", &smoothed, 0.45}),
                          [](const auto& i) { return i.param.name; });

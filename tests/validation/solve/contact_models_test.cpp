@@ -72,8 +72,8 @@ TEST(Drift, APendulumKeepsItsLength) {
       for (int step = 0; step < steps; ++step) {
         world.step([&](ConstraintBuilder& builder) {
           const Vec3 now = bob.position(node(0), Configuration::current);
-          const BlockId id = builder.add<Bilateral<1>>({1}, {}, BlockVector<1>(now.norm() - 1),
-                                                       0, {.force = 1, .length = 1});
+          const BlockId id = builder.add<Bilateral<1>>({1}, {}, BlockVector<1>(now.norm() - 1), 0,
+                                                       {.force = 1, .length = 1});
           world.couple(id, bob, 0, now.normalized().transpose());
         });
         ASSERT_TRUE(world.solved) << h << ' ' << step;
