@@ -115,9 +115,9 @@ Real Tissue::moved_since_linearised() const {
 void Tissue::solve_what_matters(const StepContext& context, VecX& momentum) {
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     if (fixed_[i]) momentum.segment<3>(3 * static_cast<Index>(i)).setZero();
-  const Real enough = 5e-5 * context.dt * at_work_;
-  if (momentum.norm() > enough) solver_->solve(momentum, enough);
-  else momentum.setZero();
+  const Real enough = 1e-6 * context.dt * at_work_;
+  if (momentum.norm() <= enough) momentum.setZero();
+  else solver_->solve(momentum, enough);  // also if anything is not finite
 }
 
 void Tissue::linearise(const StepContext& context, const VecX& force) {
