@@ -101,6 +101,11 @@ TEST(MovingTool, OneMorePassLowersTheErrorOfAnOldCompliance) {
   EXPECT_GE(old.second_passes, 10);
   EXPECT_EQ(old.not_lower, 0);
   EXPECT_LT(old.last, old.first);
+  // A further pass with the same W multiplies the error by how wrong W is: the worker's factor is
+  // eight steps and 8 mm of sliding old, so a quarter to a third.
+  EXPECT_LT(old.sum_last, old.sum_first / 3);
+  // What is left moves the pad by less than a fortieth of how deep the ball dips.
+  EXPECT_LT(apart, depth / 40);
 }
 
 }  // namespace
