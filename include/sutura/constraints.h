@@ -5,13 +5,21 @@
 
 #include <cstdint>
 #include <cstring>
+#include <set>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sutura/body.h"
 #include "sutura/law.h"
 
 namespace sutura {
+
+class Archive;
+
+/// Directions of the rows of a block, one per row.
+using Directions = Eigen::Matrix<Real, Eigen::Dynamic, 3, Eigen::ColMajor, max_block_dim, 3>;
 
 /// Names a block across steps, so that its lambda and mode survive. Stable under resampling: made
 /// of what the block is about (a path sample, a contact), never of node numbers.
@@ -96,9 +104,11 @@ class ConstraintBuilder {
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
   /// The first coupling decides where and on whom the block's force is drawn.
-  void couple(BlockId block, const Body& body,
-              const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions, const PointJacobian& J,
+  void couple(BlockId block, const Body& body, const Directions& directions, const PointJacobian& J,
               const Vec3& at);
+
+  /// What known keys will be given in the next step. Between steps.
+  void archive(Archive& archive);
 
  private:
   BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* d_free,
@@ -111,9 +121,10 @@ class ConstraintBuilder {
   };
   struct Warm {
     Key key;
-    const LawOperations* law;
+    std::string_view law;  ///< name; of a restored block in `restored_laws_`
     Index first;
   };
+  void remember();
   void gather_rows(std::size_t body);
 
   ConstraintProblem& problem_;
@@ -125,6 +136,8 @@ class ConstraintBuilder {
   std::vector<Real> d_free_;
   std::vector<Warm> warm_;  // blocks of the step before, sorted by key
   VecX warm_lambda_;
+  bool restored_ = false;  ///< warm_ comes from an archive and not from the problem
+  std::set<std::string> restored_laws_;
   std::vector<Index> merged_nodes_;
   std::vector<Real> merged_values_;
 };

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,7 +40,8 @@ struct StepReport {
   double total_seconds() const;
 };
 
-/// Moves something by the clock alone: tracks, graspers. Stage inputs.
+/// Moves something by the clock, or as a host has told it: tracks, graspers. Stage inputs. One that
+/// links to another is asked after it.
 class Driver {
  public:
   static constexpr const char* interface_name = "Driver";
@@ -57,6 +61,9 @@ class Recorder {
   virtual std::string start(const Simulation& simulation) = 0;
   virtual std::string record(const Simulation& simulation, const StepReport& report) = 0;
   virtual std::string finish(const Simulation& simulation) = 0;
+  /// Instead of start, after the state has been restored: cuts the files back to what they were at
+  /// that step and goes on. One that keeps no state begins its files anew.
+  virtual std::string resume(const Simulation& simulation) { return start(simulation); }
 };
 
 class Simulation {
@@ -73,6 +80,19 @@ class Simulation {
   /// empty.
   std::string start_recording();
   std::string finish_recording();
+  /// Instead of start_recording, after `restore`: the files are cut back to that step and go on.
+  std::string resume_recording();
+
+  /// Everything that the next steps depend on: a simulation of the same scene that restores it
+  /// takes the same steps, to the bit (docs/concepts/state.md). Between steps only.
+  std::vector<std::byte> save();
+  /// What keeps the state from being restored (damage, another scene, another build), in a
+  /// sentence, or empty. All of that is found before anything is changed.
+  std::string restore(std::span<const std::byte> state);
+  /// The same to and from a file. Killed while it writes, it leaves the file that was there before.
+  std::string save(const std::filesystem::path& file);
+  std::string restore(const std::filesystem::path& file);
+
   /// The first thing that went wrong with a recorder; nothing is recorded after it.
   const std::string& record_error() const { return record_error_; }
 
@@ -91,6 +111,7 @@ class Simulation {
 
  private:
   Simulation();
+  void archive_run(Archive& archive);
   bool has_approximate_body() const;
   void check_compliance(const StepContext& context);
   std::unique_ptr<Scene> scene_;
@@ -105,6 +126,7 @@ class Simulation {
   std::unique_ptr<ComplianceStage> compliance_;
   std::vector<const Body*> const_bodies_;
   std::vector<VecX> body_force_;
+  std::string identity_;  ///< of scene, files and build: what a state must agree with
   StepReport report_;
   bool recording_ = false;
   std::string record_error_;  ///< the first one; recording stops there

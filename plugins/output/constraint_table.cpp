@@ -1,6 +1,7 @@
 #include "constraint_table.h"
 
 #include "csv_probe.h"
+#include "sutura/archive.h"
 #include "sutura/units.h"
 
 namespace sutura::output {
@@ -28,10 +29,30 @@ void ConstraintTable::initialise(Setup& setup) {
   if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as constraints.csv");
 }
 
-std::string ConstraintTable::start(const Simulation& simulation) {
+void ConstraintTable::archive(Archive& a) {
+  a("end", end_);
+}
+
+void ConstraintTable::find_sources(const Simulation& simulation) {
   sources_.clear();
   for (const Component* c : simulation.scene().components())
     sources_.push_back(csv_field(c->path()));
+}
+
+std::string ConstraintTable::append(std::string_view text) {
+  std::string error = out_.append(text);
+  end_ = out_.end();
+  return error;
+}
+
+std::string ConstraintTable::resume(const Simulation& simulation) {
+  if (end_ == 0) return start(simulation);
+  find_sources(simulation);
+  return out_.resume(directory_ / file_, end_);
+}
+
+std::string ConstraintTable::start(const Simulation& simulation) {
+  find_sources(simulation);
   for (const Component* other : simulation.scene().components()) {
     if (other == this) break;
     const auto* table = dynamic_cast<const ConstraintTable*>(other);
@@ -40,7 +61,7 @@ std::string ConstraintTable::start(const Simulation& simulation) {
              "; expected another 'file'";
   }
   if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
-  return out_.append(
+  return append(
       "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y "
       "[N],force.z [N],violation [m]\n");
 }
@@ -60,7 +81,7 @@ std::string ConstraintTable::record(const Simulation& simulation, const StepRepo
       rows_ += "," + format_real(value);
     rows_ += "\n";
   }
-  return out_.append(rows_);
+  return append(rows_);
 }
 
 }  // namespace sutura::output

@@ -2,22 +2,11 @@
 
 #include <sstream>
 
-#include "sutura/diagnostics.h"
+#include "sutura/archive.h"
 #include "sutura/units.h"
 
 namespace sutura::output {
 namespace {
-
-std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
-  const std::string nearest = nearest_name(name, candidates);
-  return nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?";
-}
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-  return out;
-}
 
 /// The names of the columns of one value, comma first.
 struct HeaderOf {
@@ -73,51 +62,32 @@ void CsvProbe::initialise(Setup& setup) {
   if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as probe.csv");
 }
 
-std::string CsvProbe::resolve(const std::string& name, const Simulation& simulation,
-                              Column& column) const {
-  const auto dot = name.rfind('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size()) {
-    return path() + ": column '" + name +
-           "'; expected a component and its output, as in /holder.force";
+void CsvProbe::archive(Archive& a) {
+  a("end", end_);
+}
+
+/// Finds the columns. An error sentence, or empty.
+std::string CsvProbe::find_columns(const Simulation& simulation, std::string& header) {
+  columns_.clear();
+  std::istringstream names(columns_text_);
+  header = "step,time [s]";
+  for (std::string name; names >> name;) {
+    std::string error;
+    const OutputHandle column = simulation.scene().output(name, error);
+    if (!column) return path() + ": " + error;
+    columns_.push_back(column);
+    const std::string unit = column.info->unit.empty() || column.info->unit == "1"
+                                 ? std::string()
+                                 : " [" + column.info->unit + "]";
+    header += std::visit(HeaderOf{name.substr(name.front() == '/' ? 1 : 0), unit}, column.read());
   }
-  const std::string owner = name.substr(0, dot);
-  const std::string output = name.substr(dot + 1);
-  column.component = simulation.scene().find(owner);
-  if (column.component == nullptr) {
-    std::vector<std::string> paths;
-    for (const Component* c : simulation.scene().components()) paths.push_back(c->path());
-    return path() + ": no component '" + owner + "' for column '" + name + "'" +
-           did_you_mean(owner, paths);
-  }
-  std::vector<std::string> names;
-  for (const OutputInfo& o : column.component->info().outputs) {
-    if (o.name == output) {
-      column.output = &o;
-      return {};
-    }
-    names.push_back(o.name);
-  }
-  return path() + ": " + column.component->info().name + " '" + owner + "' has no output '" +
-         output + "'" +
-         (names.empty() ? "; it has none"
-                        : did_you_mean(output, names) + "; it has " + list_of(names));
+  if (report_) header += ",rows,sweeps,residual,violation [m]";
+  return {};
 }
 
 std::string CsvProbe::start(const Simulation& simulation) {
-  columns_.clear();
-  std::istringstream names(columns_text_);
-  std::string header = "step,time [s]";
-  for (std::string name; names >> name;) {
-    Column column;
-    if (std::string error = resolve(name, simulation, column); !error.empty()) return error;
-    columns_.push_back(column);
-    const std::string unit = column.output->unit.empty() || column.output->unit == "1"
-                                 ? std::string()
-                                 : " [" + column.output->unit + "]";
-    header += std::visit(HeaderOf{name.substr(name.front() == '/' ? 1 : 0), unit},
-                         column.output->read(*column.component));
-  }
-  if (report_) header += ",rows,sweeps,residual,violation [m]";
+  std::string header;
+  if (std::string error = find_columns(simulation, header); !error.empty()) return error;
   for (const Component* other : simulation.scene().components()) {
     if (other == this) break;
     const auto* probe = dynamic_cast<const CsvProbe*>(other);
@@ -127,18 +97,32 @@ std::string CsvProbe::start(const Simulation& simulation) {
     }
   }
   if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
-  return out_.append(header + "\n");
+  return append(header + "\n");
+}
+
+std::string CsvProbe::resume(const Simulation& simulation) {
+  if (end_ == 0) return start(simulation);
+  std::string header;
+  if (std::string error = find_columns(simulation, header); !error.empty()) return error;
+  return out_.resume(directory_ / file_, end_);
+}
+
+std::string CsvProbe::append(std::string_view text) {
+  std::string error = out_.append(text);
+  end_ = out_.end();
+  return error;
 }
 
 std::string CsvProbe::record(const Simulation&, const StepReport& report) {
   if (report.step % every_ != 0) return {};
   row_ = std::to_string(report.step) + "," + format_real(report.time);
-  for (const Column& c : columns_) row_ += std::visit(ValueOf{}, c.output->read(*c.component));
+  for (const OutputHandle& c : columns_) row_ += std::visit(ValueOf{}, c.read());
   if (report_) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
             format_real(report.solve.residual) + "," + format_real(report.solve.violation);
   }
-  return out_.append(row_ + "\n");
+  row_ += '\n';
+  return append(row_);
 }
 
 std::string CsvProbe::finish(const Simulation&) {

@@ -1,6 +1,7 @@
 // CsvProbe: outputs of components over time, one row per step.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,17 +17,15 @@ class CsvProbe : public Component, public Recorder {
   static void describe(Describe<CsvProbe>& d);
 
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   std::string start(const Simulation& simulation) override;
   std::string record(const Simulation& simulation, const StepReport& report) override;
+  std::string resume(const Simulation& simulation) override;
   std::string finish(const Simulation& simulation) override;
 
  private:
-  struct Column {
-    const Component* component = nullptr;
-    const OutputInfo* output = nullptr;
-  };
-  /// An error sentence, or empty.
-  std::string resolve(const std::string& name, const Simulation& simulation, Column& column) const;
+  std::string find_columns(const Simulation& simulation, std::string& header);
+  std::string append(std::string_view text);
 
   std::string columns_text_;
   std::string file_ = "probe.csv";
@@ -34,8 +33,9 @@ class CsvProbe : public Component, public Recorder {
   Index every_ = 1;
 
   std::filesystem::path directory_;
-  std::vector<Column> columns_;
+  std::vector<OutputHandle> columns_;
   OutputFile out_;
+  std::int64_t end_ = 0;  ///< bytes of the file so far
   std::string row_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sutura/archive.h"
+
 namespace sutura::output {
 namespace {
 
@@ -62,19 +64,43 @@ std::string VtuRecorder::start(const Simulation& simulation) {
              "; expected one VtuRecorder in a scene";
     }
   }
-  bodies_.clear();
   laws_ = {};
   next_time_ = 0;
+  name_series(simulation);
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    Series& s = series_[i];
+    if (std::string e = s.pvd.open(directory_ / (s.name + ".pvd")); !e.empty()) return e;
+    ends_[i] = s.pvd.end();
+  }
+  return {};
+}
+
+void VtuRecorder::name_series(const Simulation& simulation) {
+  series_.clear();
   std::vector<std::string> taken{"constraints"};
   for (const Simulation::NamedBody& b : simulation.bodies()) {
     taken.push_back(file_name_of(b.path, taken));
-    bodies_.push_back({taken.back(), {}});
+    series_.push_back({taken.back(), {}});
   }
-  constraints_.name = "constraints";
-  for (Series& s : bodies_) {
-    if (std::string e = s.pvd.open(directory_ / (s.name + ".pvd")); !e.empty()) return e;
+  series_.push_back({"constraints", {}});
+  ends_.resize(series_.size(), 0);
+}
+
+void VtuRecorder::archive(Archive& a) {
+  a("ends", ends_);
+  a("next_time", next_time_);
+  laws_.archive(a);
+}
+
+std::string VtuRecorder::resume(const Simulation& simulation) {
+  if (ends_.empty()) return start(simulation);
+  name_series(simulation);
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    Series& s = series_[i];
+    if (std::string e = s.pvd.resume(directory_ / (s.name + ".pvd"), ends_[i]); !e.empty())
+      return e;
   }
-  return constraints_.pvd.open(directory_ / (constraints_.name + ".pvd"));
+  return {};
 }
 
 bool VtuRecorder::due(const StepReport& report) {
@@ -87,11 +113,14 @@ bool VtuRecorder::due(const StepReport& report) {
 
 std::string VtuRecorder::record(const Simulation& simulation, const StepReport& report) {
   if (!due(report)) return {};
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const VtuGrid grid = grid_of(simulation.bodies()[i].body->geometry());
-    if (std::string e = write(bodies_[i], grid, report); !e.empty()) return e;
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    const bool is_body = i < simulation.bodies().size();
+    const VtuGrid grid = is_body ? grid_of(simulation.bodies()[i].body->geometry())
+                                 : constraint_grid(simulation.problem(), laws_);
+    if (std::string e = write(series_[i], grid, report); !e.empty()) return e;
+    ends_[i] = series_[i].pvd.end();
   }
-  return write(constraints_, constraint_grid(simulation.problem(), laws_), report);
+  return {};
 }
 
 std::string VtuRecorder::write(Series& series, const VtuGrid& grid, const StepReport& report) {
@@ -103,8 +132,8 @@ std::string VtuRecorder::write(Series& series, const VtuGrid& grid, const StepRe
 }
 
 std::string VtuRecorder::finish(const Simulation&) {
-  std::string error = constraints_.pvd.close();
-  for (Series& s : bodies_) {
+  std::string error;
+  for (Series& s : series_) {
     if (std::string e = s.pvd.close(); error.empty()) error = std::move(e);
   }
   return error;

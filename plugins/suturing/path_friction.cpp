@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "path_friction_law.h"
+#include "sutura/archive.h"
 
 namespace sutura {
 namespace {
@@ -87,6 +88,12 @@ void PathFriction::initialise(Setup& setup) {
     setup.error(
         *this,
         "pressure_from=\"tissue\", but this tissue does not say how stiff it is; give a pressure");
+}
+
+void PathFriction::archive(Archive& a) {
+  a("force", force_);
+  a("limit", limit_);
+  a("sliding", sliding_);
 }
 
 Real PathFriction::thread_coefficient() const {

@@ -4,6 +4,7 @@
 
 #include "puncture_law.h"
 #include "region_values.h"
+#include "sutura/archive.h"
 
 namespace sutura {
 
@@ -70,6 +71,16 @@ void Puncture::initialise(Setup& setup) {
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
+}
+
+void Puncture::archive(Archive& a) {
+  a("front", front_);
+  a("region", region_);
+  a("threshold_here", threshold_here_);
+  a("count", count_);
+  a("overruns", overruns_);
+  a("force", force_);
+  a("peak_force", peak_force_);
 }
 
 void Puncture::detect(const StepContext&) {

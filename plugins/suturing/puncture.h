@@ -15,6 +15,7 @@ class Puncture : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "Puncture";
   static void describe(Describe<Puncture>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;

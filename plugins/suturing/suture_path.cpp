@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 
 namespace sutura {
@@ -61,6 +62,12 @@ void SuturePath::initialise(Setup& setup) {
   channel_.emplace(*thread_, *tissue_, spacing_);
   crossings_.reserve(256);
   blocks_.reserve(256);
+}
+
+void SuturePath::archive(Archive& a) {
+  channel_->archive(a);
+  a("lateral_force", lateral_force_);
+  a("lateral_gap", lateral_gap_);
 }
 
 Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real abscissa,

@@ -33,6 +33,7 @@ class SuturePath : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "SuturePath";
   static void describe(Describe<SuturePath>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sutura/archive.h"
 #include "sutura/laws/unilateral.h"
 
 namespace sutura::thread {
@@ -23,6 +24,11 @@ void Elongation::describe(Describe<Elongation>& d) {
            [](const Elongation& e) { return e.largest_force(); });
   d.output("active", "1", "Intervals at their limit.",
            [](const Elongation& e) { return static_cast<Real>(e.active()); });
+}
+
+void Elongation::archive(Archive& a) {
+  a("largest_force", largest_force_);
+  a("active", active_);
 }
 
 void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {

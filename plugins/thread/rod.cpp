@@ -334,4 +334,37 @@ bool Rod::finite() const {
   return velocity_.allFinite();
 }
 
+void Rod::archive(Archive& a) {
+  const std::size_t nodes = pose_.size(), springs = springs_.size();
+  a.list("poses", pose_, [](Archive& each, Pose& pose) { each("pose", pose); });
+  a("twist", twist_);
+  velocity_.archive(a, "velocity");
+  a("tension", tension_);
+  constraint_force_.archive(a, "constraint_force");
+  a.list("guides", guides_, [](Archive& each, Guide& g) {
+    each("abscissa", g.abscissa);
+    each("point", g.point);
+    each("tangent", g.tangent);
+    each("acted_at", g.acted_at);
+    each("force", g.force);
+  });
+  a.list("springs", springs_, [](Archive& each, NodeSpring& s) {
+    each("node", s.node);
+    each("active", s.active);
+    each("target", s.target);
+    each("translation", s.stiffness.translation);
+    each("rotation", s.stiffness.rotation);
+    each("applied", s.applied);
+  });
+  if (pose_.size() != nodes || velocity_.size() != 6 * static_cast<Index>(nodes) ||
+      constraint_force_.size() != velocity_.size() || twist_.size() + 1 != nodes ||
+      tension_.size() != twist_.size() || springs_.size() != springs)
+    a.fail("the state of another thread");
+  for (const NodeSpring& s : springs_)
+    if (s.node < 0 || s.node >= static_cast<Index>(nodes)) a.fail("a hold of another thread");
+  if (!a.restoring()) return;
+  free_ = pose_;
+  free_twist_ = twist_;
+}
+
 }  // namespace sutura::thread

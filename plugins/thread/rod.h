@@ -59,6 +59,8 @@ class Rod {
   /// give the rest pose and the section by abscissa.
   void resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
                 const std::function<Section(Real)>& section);
+  /// State and holds; the layout must be the one that was saved.
+  void archive(Archive& archive);
   /// All six dofs of the node stay as they are.
   void clamp(Index node);
   const std::vector<Index>& clamped() const { return clamped_; }

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "sutura/archive.h"
+
 namespace sutura::thread {
 
 void SutureThread::initialise(Setup& setup) {
@@ -23,6 +25,17 @@ void SutureThread::initialise(Setup& setup) {
             .thread_bend_radius = thread_bend_radius,
             .thread_rest_curvature = thread_rest_curvature};
   build();
+}
+
+void SutureThread::archive(Archive& a) {
+  std::vector<Real> nodes = rod_.abscissa();
+  a("abscissae", nodes);
+  const bool usable = nodes.size() >= 2 && std::is_sorted(nodes.begin(), nodes.end());
+  if (!usable) a.fail("these are no nodes of a thread");
+  if (!a.ok()) return;
+  if (a.restoring() && nodes != rod_.abscissa()) lay_out(std::move(nodes));
+  rod_.archive(a);
+  a("factored", factored_);
 }
 
 /// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a
@@ -69,9 +82,10 @@ Section SutureThread::section(Real s) const {
           .bending_factor = bending_factor};
 }
 
-void SutureThread::build() {
+/// Beams between these abscissae, at rest where the scene puts them.
+void SutureThread::lay_out(std::vector<Real> nodes) {
   RodLayout layout;
-  layout.abscissa = node_abscissae();
+  layout.abscissa = std::move(nodes);
   for (const Real s : layout.abscissa) {
     layout.rest.push_back(shape_.rest(s));
     layout.start.push_back(shape_.start(s));
@@ -88,6 +102,10 @@ void SutureThread::build() {
     const CurvePlace at = place(rod_, s);
     rod_.springs().emplace_back().node = at.beam + (at.u > 0.5 ? 1 : 0);
   }
+}
+
+void SutureThread::build() {
+  lay_out(node_abscissae());
   rules_ = {.angle = sampling_angle,
             .shortest = shortest_beam,
             .longest = thread_length / static_cast<Real>(thread_beams),

@@ -30,6 +30,7 @@ class SutureThread : public Component, public CurveBody {
   static void describe(Describe<SutureThread>& d);
 
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
 
   // Body
   Index dofs() const override { return rod_.dofs(); }
@@ -71,6 +72,7 @@ class SutureThread : public Component, public CurveBody {
 
  private:
   void build();
+  void lay_out(std::vector<Real> nodes);
   std::vector<Real> node_abscissae() const;
   Section section(Real s) const;
   void resample();

@@ -44,12 +44,10 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   if (!in_flight_ && wants_new_factor()) {
     auto job = take_snapshot();
     in_flight_ = job->snapshot;
-    if (worker_lost_) {
+    if (worker_lost_)
       postponed_ = std::move(job);
-    } else {
-      if (!worker_) worker_ = std::make_unique<FactorWorker>(plan_, options_.hook);
-      worker_->submit(std::move(job));
-    }
+    else
+      submit(std::move(job));
   }
   last_iterations_ = 0;
   if (current_) {
@@ -60,6 +58,11 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
       report_.complain("the worker is late: the factor is " + std::to_string(report_.factor_age) +
                        " steps old");
   }
+}
+
+void AsyncSolver::submit(std::unique_ptr<SnapshotFactor> job) {
+  if (!worker_) worker_ = std::make_unique<FactorWorker>(plan_, options_.hook);
+  worker_->submit(std::move(job));
 }
 
 /// A copy of the matrix of this step, in recycled memory.
@@ -181,7 +184,6 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
                    options_.max_iterations);
     report_.iterations += r.iterations;
   }
-  report_.solves += columns.cols();
   report_.residual = std::max(report_.residual, r.residual);
   if (!r.converged) {
     report_.converged = false;

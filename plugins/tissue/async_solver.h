@@ -59,9 +59,12 @@ class AsyncSolver : public TissueSolver {
   bool compliance_is_exact() const override { return false; }
   const TissueSolveReport& report() const override { return report_; }
 
+  void archive(Archive& archive) override;
   const std::vector<Adoption>& adoptions() const { return adoptions_; }
 
  private:
+  void archive_job(Archive& archive, std::shared_ptr<Snapshot>& snapshot);
+  void submit(std::unique_ptr<SnapshotFactor> job);
   std::unique_ptr<SnapshotFactor> take_snapshot();
   void adopt(std::unique_ptr<SnapshotFactor> fresh);
   void adopt_what_is_due();

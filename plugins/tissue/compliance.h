@@ -37,6 +37,7 @@ class Candidates {
   /// True if a free node was touched that is not in `chosen`, and there is room for it.
   bool outgrown() const { return outgrown_; }
   const std::vector<Index>& chosen() const { return chosen_; }
+  void archive(Archive& archive);
   /// Chooses anew: touched nodes first, the latest before the others, then their neighbours.
   void choose(Index step);
 

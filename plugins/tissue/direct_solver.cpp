@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sutura/archive.h"
+
 namespace sutura {
 
 void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
@@ -43,7 +45,6 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
 
 void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
   assert(A_);
-  report_.solves += columns.cols();
   if (ok_) {
     x_ = columns;
     factor_->solve(x_);
@@ -67,6 +68,17 @@ void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
     if (!r.converged) report_.complain("conjugate gradients did not converge");
   }
   columns = x_;
+}
+
+/// The matrix is factorised in every step; what lasts is the order in which that is done.
+void SynchronousSolver::archive(Archive& a) {
+  candidates_.archive(a);
+  a("failed_factors", report_.failed_factors);
+  a("adopted_at", report_.adopted_at);
+  if (!a.restoring() || !a.ok()) return;
+  plan_ = with_last(*plan_, candidates_.chosen());
+  adopt_plan();
+  ok_ = has_tail_ = false;
 }
 
 NodeCompliance SynchronousSolver::compliance() const {

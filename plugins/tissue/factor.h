@@ -47,8 +47,6 @@ class Factor {
   virtual void solve_roughly(Eigen::Ref<MatX> columns) const { solve(columns); }
   /// Asks for what solve_roughly needs, to be made by every factorise from now on.
   virtual void keep_rough() {}
-  /// Numbers stored in L.
-  virtual Index stored() const = 0;
 };
 
 /// The same with other nodes last. The rest keeps its order, whose quality does not suffer: a

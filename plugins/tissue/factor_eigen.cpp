@@ -50,10 +50,6 @@ class EigenFactor : public Factor {
     return inverse_of_product(lower);
   }
 
-  Index stored() const override {
-    return plan_->size() > 0 ? cholesky_.matrixL().nestedExpression().nonZeros() : 0;
-  }
-
  private:
   std::shared_ptr<const FactorPlan> plan_;
   Eigen::SparseMatrix<Real> A_;  ///< lower triangle, in elimination order

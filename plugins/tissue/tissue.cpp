@@ -3,6 +3,7 @@
 #include "corotational_t4.h"
 #include "direct_solver.h"
 #include "smoothed_t4.h"
+#include "sutura/archive.h"
 
 namespace sutura {
 
@@ -80,6 +81,26 @@ void Tissue::initialise(Setup&) {
 
   own_solver_ = solver ? nullptr : make_direct_solver();
   solver_ = solver ? solver.get() : own_solver_.get();
+}
+
+/// Every Layer and Attach has spoken.
+void Tissue::ready(Setup&) {
+  solver_->analyse(A_->pattern(), fixed_, {});
+}
+
+void Tissue::archive(Archive& a) {
+  const Index size = dofs();
+  a("positions", x_);
+  a("velocities", v_);
+  a("constraint_force", constraint_force_);
+  a("reaction", reaction_);
+  a("linearisations", linearisations_);
+  if (own_solver_) own_solver_->archive(a);
+  if (!a.restoring() || !a.ok()) return;
+  if (x_.size() != size || v_.size() != size || constraint_force_.size() != size ||
+      reaction_.size() != size)
+    return a.fail("the state of another mesh");
+  set_state(x_, v_);
 }
 
 bool Tissue::set_material(int region, const Material& material) {

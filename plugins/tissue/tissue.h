@@ -36,6 +36,8 @@ class Tissue : public Component, public SolidBody {
 
   static void describe(Describe<Tissue>& d);
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
 
   // For the components that complete a tissue, from their initialise.
   bool ok() const { return elastic_ != nullptr; }
@@ -88,7 +90,6 @@ class Tissue : public Component, public SolidBody {
     return queries_[static_cast<std::size_t>(c)];
   }
   void update_materials();
-  void start();
   void linearise(const StepContext& context);
   void add_constraint_motion(Real h);
   bool gains_energy(const StepContext& context, bool pushed);
@@ -99,7 +100,7 @@ class Tissue : public Component, public SolidBody {
   std::vector<Material> tet_material_;
   std::vector<Real> mass_;   ///< lumped, per node (kg)
   std::vector<char> fixed_;  ///< per node
-  bool any_fixed_ = false, started_ = false;
+  bool any_fixed_ = false;
   Real edge_length_ = 0;  ///< mean, at rest (m)
 
   // State.

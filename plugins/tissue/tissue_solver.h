@@ -14,7 +14,6 @@ namespace sutura {
 /// What the solver did in this step.
 struct TissueSolveReport {
   Index iterations = 0;      ///< of PCG, summed over all solves of the step; 0: direct
-  Index solves = 0;          ///< right-hand sides
   Real residual = 0;         ///< |b - A x| / |b|, the worst of the step
   Index factor_age = 0;      ///< steps between the factorised matrix and this one
   Index adopted_at = -1;     ///< step at which the factor in use was adopted
@@ -57,6 +56,8 @@ class TissueSolver {
   /// False if `compliance` is that of an earlier matrix.
   virtual bool compliance_is_exact() const = 0;
   virtual const TissueSolveReport& report() const = 0;
+  /// After `analyse`.
+  virtual void archive(Archive& archive) = 0;
 };
 
 class Registry;

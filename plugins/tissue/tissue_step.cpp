@@ -33,12 +33,6 @@ std::string Tissue::trouble() const {
   return text;
 }
 
-/// What has to wait until every Layer and Attach has spoken.
-void Tissue::start() {
-  solver_->analyse(A_->pattern(), fixed_, {});
-  started_ = true;
-}
-
 void Tissue::set_state(const VecX& x, const VecX& v) {
   assert(x.size() == dofs() && v.size() == dofs());
   x_ = x_free_ = x;
@@ -102,7 +96,6 @@ bool Tissue::gains_energy(const StepContext& context, bool pushed) {
 }
 
 void Tissue::free_motion(const StepContext& context) {
-  if (!started_) start();
   const Real h = context.dt;
   guess_.setZero(dofs());
   solver_trouble_.clear();

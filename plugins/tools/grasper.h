@@ -7,16 +7,24 @@
 #include "sutura/body.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
+#include "sutura/tools.h"
 #include "track.h"
 
 namespace sutura::tools {
 
-class Grasper : public Component, public Driver {
+class Grasper : public Component, public Driver, public Jaws {
  public:
   static void describe(Describe<Grasper>& d);
 
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
+
+  // Jaws
+  void grasp() override { told_ = Told::grasp; }
+  void release() override { told_ = Told::release; }
+  bool holding() const override { return holding_; }
 
  private:
   Link<CurveBody> body_;
@@ -27,14 +35,16 @@ class Grasper : public Component, public Driver {
   Real stiffness_ = HoldStiffness{}.translation;
   Real rotation_stiffness_ = HoldStiffness{}.rotation;
 
-  bool holding() const { return events_ % 2 == 1; }
-  Wrench wrench() const { return holding() ? body_->hold_wrench(hold_) : Wrench{}; }
+  enum class Told : std::uint8_t { nothing, grasp, release };
+  Wrench wrench() const { return holding_ ? body_->hold_wrench(hold_) : Wrench{}; }
 
   GraspSchedule schedule_;
   Index hold_ = -1;   ///< number of the hold in the body
-  Index events_ = 0;  ///< grasps and releases so far
-  Pose grip_;         ///< the section, seen from the tool, since the last grasp
-  Pose target_;       ///< where the section is to be at the end of the step
+  Index events_ = 0;  ///< grasps and releases of the schedule so far
+  bool holding_ = false;
+  Told told_ = Told::nothing;  ///< by a host, since the last step
+  Pose grip_;                  ///< the section, seen from the tool, since the last grasp
+  Pose target_;                ///< where the section is to be at the end of the step
 };
 
 }  // namespace sutura::tools

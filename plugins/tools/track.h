@@ -1,4 +1,5 @@
-// Track: where a tool is at any time, from key frames in the scene or in a CSV file.
+// Track: where a tool is at any time, from key frames in the scene or in a CSV file, or from a
+// host.
 #pragma once
 
 #include <vector>
@@ -6,22 +7,30 @@
 #include "key_frames.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
+#include "sutura/tools.h"
 
 namespace sutura::tools {
 
-class Track : public Component, public Driver {
+class Track : public Component, public Driver, public Tool {
  public:
   static constexpr const char* interface_name = "Track";
   static void describe(Describe<Track>& d);
 
   void initialise(Setup& setup) override;
-  void drive(const StepContext& context) override { now_ = frames_.at(context.end()); }
+  void archive(Archive& archive) override;
+  void drive(const StepContext& context) override;
 
-  /// The rigid motion of space at `time` (see key_frames.h); the pose of the tool, if the tool was
-  /// modelled at the origin.
-  Pose at(Real time) const { return frames_.at(time); }
+  // Tool
+  Pose pose() const override { return now_; }
+  void move_to(const Pose& pose) override;
+
+  /// The rigid motion of space (see key_frames.h) at the start and at the end of the step, once
+  /// `drive` has been called.
+  const Pose& at_start() const { return before_; }
+  const Pose& at_end() const { return now_; }
 
  private:
+  Pose on_the_way(Real time) const;
   std::vector<KeyFrame> keys_from_attributes(Setup& setup);
   std::vector<KeyFrame> keys_from_file(Setup& setup);
 
@@ -33,7 +42,14 @@ class Track : public Component, public Driver {
   Easing easing_ = Easing::linear;
 
   KeyFrames frames_;
-  Pose now_;  ///< at the end of the last step, for the outputs
+  Pose before_, now_;  ///< at the start and the end of the last step
+  Real dt_ = 0;        ///< of a whole step, s
+
+  // Told by a host: from where it was when the step began to the target at its end.
+  bool told_ = false;
+  Pose target_, from_;
+  Index step_ = -1;      ///< in which `from_` was noted
+  Real step_begin_ = 0;  ///< s
 };
 
 }  // namespace sutura::tools

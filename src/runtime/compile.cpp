@@ -3,6 +3,7 @@
 #include <set>
 
 #include "runtime/gauss_seidel_component.h"
+#include "runtime/state.h"
 #include "solve/compliance_stage.h"
 #include "sutura/simulation.h"
 
@@ -60,6 +61,11 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     if (!stands || diagnostics.errors() > errors) failed.insert(c);
   }
   if (!diagnostics.ok()) return nullptr;
+  for (Component* c : order.components()) {
+    setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
+    c->ready(setup);
+  }
+  if (!diagnostics.ok()) return nullptr;
 
   for (Component* c : document) {
     if (auto* body = dynamic_cast<Body*>(c)) {
@@ -68,7 +74,6 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->report_.compliance.push_back({.body = c->path()});
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
-    if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
     if (auto* solver = dynamic_cast<ConstraintSolver*>(c)) {
       if (s->solver_ != nullptr) {
@@ -84,12 +89,15 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     s->solver_ = solver.get();
     s->default_solver_ = std::move(solver);
   }
-  // Sources commit after those they link to: a puncture finds the path already moved on.
+  // A grasper is told the time after its track. Sources commit after those they link to: a puncture
+  // finds the path already moved on.
   for (Component* c : order.components()) {
+    if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
     if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
   }
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->compliance_ = std::make_unique<ComplianceStage>();
+  s->identity_ = identity_of(*s->scene_);
   return s;
 }
 
@@ -98,6 +106,16 @@ std::string Simulation::start_recording() {
   for (Recorder* recorder : recorders_) {
     std::string error = recorder->start(*this);
     if (error.empty()) error = recorder->record(*this, report_);
+    if (!error.empty()) return record_error_ = error;
+  }
+  return {};
+}
+
+std::string Simulation::resume_recording() {
+  recording_ = true;
+  record_error_.clear();
+  for (Recorder* recorder : recorders_) {
+    const std::string error = recorder->resume(*this);
     if (!error.empty()) return record_error_ = error;
   }
   return {};

@@ -1,6 +1,7 @@
 #include "runtime/gauss_seidel_component.h"
 
 #include "solve/problem_file.h"
+#include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
@@ -56,6 +57,17 @@ void GaussSeidel::initialise(Setup& setup) {
                        .seed = static_cast<std::uint64_t>(seed_),
                        .acceleration = acceleration_};
   if (!dump_.empty()) dump_folder_ = setup.output_directory / dump_;
+}
+
+/// The order of blocks is seeded anew in every solve and is no state.
+void GaussSeidel::archive(Archive& a) {
+  a("solves", solves_);
+  a("failures", failures_);
+  a("slowest", slowest_);
+  a("sweeps", last_.sweeps);
+  a("direct_solves", last_.direct_solves);
+  a("residual", last_.residual);
+  a("violation", last_.violation);
 }
 
 SolveReport GaussSeidel::solve(ConstraintProblem& problem) {

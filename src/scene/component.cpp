@@ -7,6 +7,8 @@ namespace sutura {
 Component::~Component() = default;
 
 void Component::initialise(Setup&) {}
+void Component::ready(Setup&) {}
+void Component::archive(Archive&) {}
 
 std::filesystem::path Setup::resolve(const std::string& file) const {
   return scene_directory / file;  // an absolute `file` replaces the directory

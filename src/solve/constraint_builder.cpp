@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sutura/archive.h"
 #include "sutura/constraints.h"
 
 namespace sutura {
@@ -13,14 +14,19 @@ ConstraintBuilder::ConstraintBuilder(ConstraintProblem& problem, std::vector<con
   problem_.chains.resize(bodies_.size());
 }
 
-void ConstraintBuilder::begin() {
-  // What the last step left is the warm start of this one.
+/// What the last step left is the warm start of the next one.
+void ConstraintBuilder::remember() {
   warm_.clear();
-  for (const ConstraintBlock& b : problem_.blocks) warm_.push_back({b.key, b.law, b.first_row});
+  for (const ConstraintBlock& b : problem_.blocks)
+    warm_.push_back({b.key, b.law->name, b.first_row});
   std::sort(warm_.begin(), warm_.end(), [](const Warm& a, const Warm& b) { return a.key < b.key; });
   if (warm_lambda_.size() < problem_.lambda.size()) warm_lambda_.resize(problem_.lambda.size());
   warm_lambda_.head(problem_.lambda.size()) = problem_.lambda;
+}
 
+void ConstraintBuilder::begin() {
+  if (!restored_) remember();
+  restored_ = false;
   problem_.blocks.clear();
   problem_.params.clear();
   patches_.clear();
@@ -53,8 +59,7 @@ BlockId ConstraintBuilder::add_block(const LawOperations* law, Key key, const vo
   return {static_cast<Index>(problem_.blocks.size()) - 1};
 }
 
-void ConstraintBuilder::couple(BlockId id, const Body& body,
-                               const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions,
+void ConstraintBuilder::couple(BlockId id, const Body& body, const Directions& directions,
                                const PointJacobian& J, const Vec3& at) {
   assert(id.valid() && id.index < static_cast<Index>(problem_.blocks.size()));
   ConstraintBlock& block = problem_.blocks[static_cast<std::size_t>(id.index)];
@@ -137,11 +142,24 @@ void ConstraintBuilder::finish() {
   for (const ConstraintBlock& b : problem_.blocks) {
     const auto old = std::lower_bound(warm_.begin(), warm_.end(), b.key,
                                       [](const Warm& w, const Key& key) { return w.key < key; });
-    if (old == warm_.end() || old->key != b.key || old->law != b.law) continue;
+    if (old == warm_.end() || old->key != b.key || old->law != b.law->name) continue;
     const auto lambda = warm_lambda_.segment(old->first, b.law->dim);
     if (lambda.allFinite()) problem_.lambda.segment(b.first_row, b.law->dim) = lambda;
   }
   for (std::size_t body = 0; body < bodies_.size(); ++body) gather_rows(body);
+}
+
+void ConstraintBuilder::archive(Archive& a) {
+  if (!a.restoring() && !restored_) remember();
+  a.list("warm", warm_, [this](Archive& each, Warm& w) {
+    std::string law(w.law);
+    each("key", w.key.value);
+    each("law", law);
+    each("first", w.first);
+    if (each.restoring()) w.law = *restored_laws_.insert(law).first;
+  });
+  a("lambda", warm_lambda_);
+  restored_ = restored_ || a.restoring();
 }
 
 }  // namespace sutura

@@ -84,6 +84,15 @@ TEST_P(Described, InFull) {
     EXPECT_TRUE(names.insert(l.name).second);
     EXPECT_TRUE(is_sentence(l.doc)) << l.doc;
   }
+  std::set<std::string> inputs;
+  for (const InputInfo& i : info.inputs) {
+    SCOPED_TRACE(info.name + "." + i.name);
+    EXPECT_TRUE(is_snake_case(i.name));
+    EXPECT_TRUE(inputs.insert(i.name).second);
+    EXPECT_TRUE(is_sentence(i.doc)) << i.doc;
+    EXPECT_TRUE(is_si(i.unit)) << i.unit;
+    EXPECT_LE(i.range.low, i.range.high);
+  }
   std::set<std::string> outputs;
   for (const OutputInfo& o : info.outputs) {
     SCOPED_TRACE(info.name + "." + o.name);

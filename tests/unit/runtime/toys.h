@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sutura/archive.h"
 #include "sutura/describe.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/registry.h"
@@ -30,14 +31,21 @@ class Mass : public Component, public Body {
   static constexpr const char* interface_name = "Mass";
   static void describe(Describe<Mass>& d) {
     d.summary("A point mass.");
+    d.attribute("forgetful", &Mass::forgetful, "Whether it saves more than it restores.");
     d.attribute("fails_at", &Mass::fails_at, any(),
                 "Step after which x is not a number; -1: none.");
   }
   Index fails_at = -1;
+  bool forgetful = false;
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), dv = Vec3::Zero();
   Index step = 0;
 
   void initialise(Setup&) override { note("initialise", *this); }
+  void archive(Archive& a) override {
+    a("x", x);
+    a("v", v);
+    if (!forgetful || !a.restoring()) a("step", step);
+  }
   Index dofs() const override { return 3; }
   int width() const override { return 3; }
   void free_motion(const StepContext& c) override {
@@ -87,6 +95,7 @@ class Pin : public Component, public ConstraintSource {
     note("initialise", *this);
     id = setup.source_id;
   }
+  void archive(Archive& a) override { a("force", force); }
   void detect(const StepContext&) override { note("detect", *this); }
   void build(const StepContext&, ConstraintBuilder& builder) override {
     note("build", *this);

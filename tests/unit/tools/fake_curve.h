@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "sutura/archive.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
 
@@ -22,6 +23,12 @@ class Curve : public Component, public CurveBody {
              [](const Curve& c) -> std::string { return c.held_ ? "yes, held" : "no"; });
   }
   void initialise(Setup&) override { pose_.position = origin_; }
+
+  void archive(Archive& a) override {
+    a("pose", pose_);
+    a("held", held_);
+    a("target", target_);
+  }
 
   // What the hold applies: known numbers.
   static Wrench applied() { return {{1, 2, 3}, {4, 5, 6}}; }

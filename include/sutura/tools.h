@@ -1,0 +1,36 @@
+// What a host may do with the tools of a scene. Found with Simulation::find and a dynamic_cast:
+//
+//   auto* needle_holder = dynamic_cast<Tool*>(simulation->find("/tools/holder_track"));
+//   needle_holder->move_to(device_pose);   // before each step
+#pragma once
+
+#include "sutura/types.h"
+
+namespace sutura {
+
+/// Something that moves through space: a track that follows key frames, or goes where it is told.
+class Tool {
+ public:
+  static constexpr const char* interface_name = "Tool";
+  virtual ~Tool() = default;
+  /// The rigid motion of space by which the tool is away from where it was modelled, at the end of
+  /// the last step.
+  virtual Pose pose() const = 0;
+  /// At the end of the next step, and of those after it, the tool is here. From now on its key
+  /// frames count no more. `pose` is finite, its rotation a unit quaternion.
+  virtual void move_to(const Pose& pose) = 0;
+};
+
+/// Jaws that hold a section of a curve and carry it along with a tool.
+class Jaws {
+ public:
+  static constexpr const char* interface_name = "Jaws";
+  virtual ~Jaws() = default;
+  /// From the next step on they are closed, or open, until a time of grasp or release in the scene
+  /// or the next call says otherwise. Closed jaws that grasp again hold as they did.
+  virtual void grasp() = 0;
+  virtual void release() = 0;
+  virtual bool holding() const = 0;
+};
+
+}  // namespace sutura
