@@ -60,7 +60,8 @@ bool Archive::begin(std::string_view name, char type, std::size_t size, Index& r
     return false;
   }
   const std::uint64_t left = saved_.size() - at_;
-  if (head.rows > left || head.columns > left ||
+  constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of rows without columns, or the reverse
+  if (head.rows > most || head.columns > most ||
       (head.columns > 0 && head.rows > left / size / head.columns)) {
     fail("'" + found + "' is larger than what is left");
     return false;

@@ -101,6 +101,24 @@ TEST(Archive, GivesBackTheSameBits) {
   EXPECT_EQ(t.matrix, full().matrix);
 }
 
+TEST(Archive, NothingAtTheEndIsSomething) {
+  Archive save;
+  std::vector<Sample> none;
+  MatX flat(0, 3);
+  const auto each = [](Archive& a, Sample& s) { a("depth", s.depth); };
+  save("flat", flat);
+  save.list("none", none, each);
+  std::vector<Sample> samples(2);
+  MatX matrix(5, 5);
+  Archive a(save.bytes());
+  a("flat", matrix);
+  a.list("none", samples, each);
+  EXPECT_TRUE(a.finished()) << a.problem();
+  EXPECT_TRUE(samples.empty());
+  EXPECT_EQ(matrix.rows(), 0);
+  EXPECT_EQ(matrix.cols(), 3);
+}
+
 TEST(Archive, RefusesAnotherNameAnotherTypeAnotherShape) {
   Archive save;
   Real x = 1;
