@@ -57,6 +57,7 @@ class ThreadPath {
     Diagnostics diagnostics;
     Setup setup{diagnostics, {}, {}, o.dt, Vec3::Zero(), 1};
     thread.initialise(setup);
+    thread.ready(setup);
     thread.free_motion({.dt = o.dt, .time = 0, .step = 0, .gravity = Vec3::Zero()});
     bodies = {&thread, &tissue_};
     // How far the pull would move every node in the step: at an angle, so that all rows have

@@ -20,13 +20,14 @@ struct StepContext {
   Real dt = 0.01;  ///< s
   Real time = 0;   ///< s, at the start of the step
   Index step = 0;  ///< 0, 1, ...
+  Index pass = 0;  ///< of this step: 0 at the first guess
   Vec3 gravity = Vec3::Zero();
   Real end() const { return time + dt; }
 };
 
-/// Which positions: at rest, at the start of the step, or after free motion (no constraints).
-/// After `correct`, `current` is the end of the step.
-enum class Configuration { rest, current, free };
+/// Which positions: at rest; at the start of the step; where the body is now, which during a step
+/// is the guess of its end.
+enum class Configuration { rest, start, current };
 
 /// A point of a body, in the coordinates of the body itself, so that it survives motion.
 /// Tissue: element and barycentric weights. Curve: weights[0] is the abscissa (m), element a hint.
@@ -76,6 +77,12 @@ struct BodyGeometry {
   std::vector<Field> fields;
 };
 
+/// How far a body is from the balance of its momentum.
+struct Imbalance {
+  Real force = 0;     ///< largest over the nodes (N; moments divided by the length of a beam)
+  Real relative = 0;  ///< the same against the forces at work there; 1: nothing is balanced
+};
+
 class Body {
  public:
   static constexpr const char* interface_name = "Body";
@@ -85,12 +92,17 @@ class Body {
   virtual Index dofs() const = 0;
   virtual int width() const = 0;
 
-  /// Stage free_motion: assembles A at the current state, solves A dv = b, fills `free`.
+  /// Begins a step of length context.dt where the last one ended: makes a first guess. Called again
+  /// before `end_step` it begins the same step anew, with another length.
+  virtual void begin_step(const StepContext& context) = 0;
+  /// Stage free_motion: A at the guess, and the change of velocity it answers to what is missing of
+  /// balance there, constraint forces left out.
   virtual void free_motion(const StepContext& context) = 0;
+  /// That change (m/s, rad/s; size dofs).
+  virtual Eigen::Ref<const VecX> free_change() const = 0;
 
   virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
-  /// About the motion that the body was linearised about in this step: `position(p, free)` and rows
-  /// are on one tangent.
+  /// At the guess.
   virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
 
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
@@ -100,15 +112,20 @@ class Body {
   /// its memory from step to step). False if the body is no chain. Exact, or false.
   virtual bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const;
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
-  /// row; a body that knows better overrides it. Not asked of chains.
+  /// row; a body that knows better overrides it, and may approximate: what a pass leaves of
+  /// violation is measured, and the next pass takes it up. Not asked of chains.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
-  /// False if add_compliance approximates: the step then checks what lambda does by `solve`, and
-  /// solves the constraints once more if W was too far off.
-  virtual bool compliance_is_exact() const { return true; }
 
-  /// Stage correct: adds the constraint force (N, N m; size dofs) to the free motion and moves the
-  /// body to the end of the step.
+  /// Stage correct: adds the answer to the constraint force (N, N m; size dofs) to the free motion
+  /// and makes that the next guess. May go only part of the way if the linear answer cannot hold so
+  /// far.
   virtual void correct(const StepContext& context, const VecX& force) = 0;
+  /// Stage measure: what the guess lacks of balance under this constraint force.
+  virtual Imbalance imbalance(const StepContext& context, const VecX& force) = 0;
+  /// Linearisations that a step takes at least, whatever the imbalance.
+  virtual Index least_passes() const { return 1; }
+  /// The guess is the end of the step. `force`: of the constraints on it.
+  virtual void end_step(const StepContext& context, const VecX& force) = 0;
 
   /// Linear momentum (kg m/s) and mass (kg), for balance checks.
   virtual Vec3 momentum() const = 0;
@@ -163,16 +180,6 @@ struct HoldStiffness {
   Real rotation = 10;      ///< N m/rad
 };
 
-/// Where a curve is expected to pass at the end of the next step: its section at `abscissa` through
-/// `point`, free to slide along `tangent`.
-struct Guide {
-  Real abscissa = 0;             ///< m
-  Vec3 point = Vec3::Zero();     ///< m
-  Vec3 tangent = Vec3::UnitX();  ///< unit
-  Real acted_at = 0;             ///< abscissa at which it was held in the step that ends (m)
-  Vec3 force = Vec3::Zero();     ///< with which it was held there (N)
-};
-
 /// A body that is a curve, parametrised by arc length at rest ("abscissa", m): 0 at the needle tip,
 /// growing towards the end of the thread.
 class CurveBody : public Body {
@@ -191,10 +198,6 @@ class CurveBody : public Body {
   /// curve downhill, so that it cannot jump to another strand.
   virtual Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
                                 Configuration c) const = 0;
-
-  /// For bodies that linearise a step about the motion they expect. Called in commit, counts for
-  /// one step.
-  virtual void expect(const Guide&) {}
 
   /// Holds: a section tied to a moving pose by an implicit spring, part of A (a grasper, a clamp).
   /// `add_hold` is called from initialise, by components linked to this one; returns its number.

@@ -68,14 +68,18 @@ class ConstraintProblem {
  public:
   std::vector<ConstraintBlock> blocks;
   std::vector<std::max_align_t> params;
-  VecX d_free;  ///< per row
+  VecX gap;     ///< per row: violation at the guess, as the sources measured it
+  VecX d_free;  ///< per row: gap and what free motion adds to it
   VecX lambda;  ///< per row; on entry the warm start, on exit the solution
   VecX delta;   ///< per row; on exit W lambda + d_free
   MatX W;       ///< rows x rows, the sum over assembled bodies; 0 x 0 if none of them has rows
   std::vector<BodyRows> bodies;         ///< H, one per body of the simulation
   std::vector<ChainCompliance> chains;  ///< as `bodies`; empty where the body is in W
 
-  Index rows() const { return d_free.size(); }
+  /// Irreversible events must wait: lambda is that of a guess.
+  bool hold_events = false;
+
+  Index rows() const { return gap.size(); }
   const void* block_params(const ConstraintBlock& b) const {
     return reinterpret_cast<const std::byte*>(params.data()) + b.params;
   }
@@ -85,21 +89,26 @@ class ConstraintProblem {
   }
 };
 
-/// Lets sources append blocks. Used between ConstraintBuilder::begin and finish, once per step.
+/// Lets sources append blocks. Used between ConstraintBuilder::begin and finish, once per guess.
 class ConstraintBuilder {
  public:
   /// `bodies`: all bodies of the simulation, in row order of `problem.bodies`.
   ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies);
 
-  void begin();
-  /// Assembles H; warm-starts lambda of known keys from the step before.
+  /// Where known keys take lambda and mode from. Of the last step they take lambda alone: the mode
+  /// in which a step begins is the source's to say.
+  enum class Warm { step_before, pass_before };
+  void begin(Warm warm = Warm::step_before);
+  /// Assembles H; warm-starts known keys.
   void finish();
+  /// What the problem holds now is the end of a step.
+  void accept();
 
-  /// d_free: violation after free motion. `mode` is where the law starts.
+  /// gap: violation at the guess. `mode` is where the law starts.
   template <Law L>
-  BlockId add(Key key, const typename L::Params& params, const BlockVector<L::dim>& d_free,
+  BlockId add(Key key, const typename L::Params& params, const BlockVector<L::dim>& gap,
               Mode mode = 0, BlockUnits units = {}) {
-    return add_block(&law_operations<L>, key, &params, d_free.data(), mode, units);
+    return add_block(&law_operations<L>, key, &params, gap.data(), mode, units);
   }
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
@@ -111,7 +120,7 @@ class ConstraintBuilder {
   void archive(Archive& archive);
 
  private:
-  BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* d_free,
+  BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* gap,
                     Mode mode, BlockUnits units);
   struct Patch {        // one call of couple, on one body
     Index block, next;  // next patch of the same block, -1 at the end
@@ -119,12 +128,20 @@ class ConstraintBuilder {
     int nodes;
     std::size_t first_node, first_value;  // values: dim x (nodes * width), column major
   };
-  struct Warm {
+  struct Known {
     Key key;
     std::string_view law;  ///< name; of a restored block in `restored_laws_`
     Index first;
+    Mode mode;
   };
-  void remember();
+  /// Blocks by key, with their lambda.
+  struct Memory {
+    std::vector<Known> blocks;
+    VecX lambda;
+    void remember(const ConstraintProblem& problem);
+    const Known* find(const ConstraintBlock& block) const;
+    void archive(Archive& archive, std::set<std::string>& laws);
+  };
   void gather_rows(std::size_t body);
 
   ConstraintProblem& problem_;
@@ -133,11 +150,10 @@ class ConstraintBuilder {
   std::vector<Index> patch_nodes_;
   std::vector<Real> patch_values_;
   std::vector<Index> first_patch_, last_patch_;  // per block
-  std::vector<Real> d_free_;
-  std::vector<Warm> warm_;  // blocks of the step before, sorted by key
-  VecX warm_lambda_;
-  bool restored_ = false;  ///< warm_ comes from an archive and not from the problem
-  std::set<std::string> restored_laws_;
+  std::vector<Real> gap_;
+  Memory step_before_, pass_before_;
+  Warm warm_ = Warm::step_before;
+  std::set<std::string> restored_laws_;  ///< names that restored blocks view
   std::vector<Index> merged_nodes_;
   std::vector<Real> merged_values_;
 };
@@ -167,9 +183,11 @@ class ConstraintSource {
  public:
   static constexpr const char* interface_name = "ConstraintSource";
   virtual ~ConstraintSource() = default;
-  /// Finds candidates, from the current and the free configuration of its bodies.
+  /// Finds candidates. With `build` after each pass, so in a step it runs at several guesses; what
+  /// a step is about (which surface, which sample) is best decided in pass 0 and kept.
   virtual void detect(const StepContext&) {}
-  /// Appends blocks. The order of blocks must depend on nothing but the state.
+  /// Appends blocks, with their violation at the current configuration of the bodies. The order of
+  /// blocks must depend on nothing but the state.
   virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;
   /// After `correct`: the only place where topology and the number of rows may change.
   virtual void commit(const StepContext&, const SolvedBlocks&) {}

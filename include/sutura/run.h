@@ -15,7 +15,7 @@
 namespace sutura {
 
 struct RunOptions {
-  std::filesystem::path output;  ///< folder of the recorders
+  std::filesystem::path output = {};  ///< folder of the recorders
   /// The last step, or the end in simulated time (s), counted from the beginning of the scene, also
   /// when the run goes on from a state. Neither: the duration that the scene gives.
   std::optional<Index> steps = {};

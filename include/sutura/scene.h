@@ -30,12 +30,21 @@ struct PluginUse {
   SourceLocation location;
 };
 
+/// When a step counts as solved (docs/step.md).
+struct StepLimits {
+  Real tolerance = 1e-3;      ///< of the imbalance of every body, relative to the forces at work
+  Real gap_tolerance = 1e-6;  ///< of the distance of every constraint from its law, m
+  Index passes = 12;          ///< before a step is divided
+  Index substeps = 64;        ///< into which a step may be divided, a power of 2; 1: never
+};
+
 class Scene {
  public:
   std::filesystem::path file;  ///< its folder resolves relative files, also for a scene from memory
   Real dt = 0.01;              ///< s
   Vec3 gravity{0, 0, -9.81};   ///< m/s^2
   Real duration = 0;           ///< s; what `sutura run` simulates when it is not told; 0: not given
+  StepLimits limits;           ///< how well a step must balance, and what it may take
   std::vector<PluginUse> plugins;
   Node root;
 

@@ -16,28 +16,46 @@
 
 namespace sutura {
 
-/// The stages of a step, in order (docs/step.md).
-enum class Stage { inputs, free_motion, detect, build, compliance, solve, correct, commit, record };
-inline constexpr std::array<std::string_view, 9> stage_names{"inputs",  "free_motion", "detect",
-                                                             "build",   "compliance",  "solve",
-                                                             "correct", "commit",      "record"};
+/// The stages of a step, in order (docs/step.md). free_motion to measure are one pass.
+enum class Stage {
+  inputs,
+  free_motion,
+  compliance,
+  solve,
+  correct,
+  detect,
+  build,
+  measure,
+  commit,
+  record
+};
+inline constexpr std::array<std::string_view, 10> stage_names{
+    "inputs", "free_motion", "compliance", "solve",  "correct",
+    "detect", "build",       "measure",    "commit", "record"};
+
+/// How well one body was balanced at the end of a step; the worst of its parts, if it was divided.
+struct BodyReport {
+  std::string body;  ///< path
+  Imbalance imbalance;
+};
 
 struct StepReport {
   Index step = 0;
   Real time = 0;  ///< s, at the end of the step
   Index blocks = 0;
   Index rows = 0;
-  SolveReport solve;
-  /// What W said about lambda against what the bodies did, worst row after the last pass (m). Zero
-  /// if every body answers exactly.
-  Real compliance_error = 0;
-  /// The same after the first pass; larger only if that made a second one necessary.
-  Real first_compliance_error = 0;
-  std::vector<ComplianceReport> compliance;  ///< per body, in the order of Simulation::bodies
+  SolveReport solve;   ///< of the last pass; events are those of the whole step
+  Index passes = 0;    ///< of all parts of the step, failed tries included
+  Index parts = 1;     ///< into how many the step was divided at its finest
+  bool solved = true;  ///< every part met the tolerances
+  Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
+  std::vector<BodyReport> bodies;            ///< in the order of Simulation::bodies
+  std::vector<ComplianceReport> compliance;  ///< likewise
   bool finite = true;
   std::vector<std::string> messages;  ///< what went wrong in the bodies: "path: sentence"
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
+  Imbalance worst_imbalance() const;  ///< relative, over the bodies
 };
 
 /// Moves something by the clock, or as a host has told it: tracks, graspers. Stage inputs. One that
@@ -51,6 +69,9 @@ class Driver {
 
 class Simulation;
 class ComplianceStage;
+class LawCheck;
+template <std::size_t>
+class StageTimer;
 
 /// Reads the state after each step and writes files. Never changes anything.
 class Recorder {
@@ -112,8 +133,13 @@ class Simulation {
  private:
   Simulation();
   void archive_run(Archive& archive);
-  bool has_approximate_body() const;
-  void check_compliance(const StepContext& context);
+  using Timer = StageTimer<stage_names.size()>;
+  void begin_report();
+  bool balance(StepContext context, Timer& timer);
+  void pass(const StepContext& context, Timer& timer);
+  void build(const StepContext& context, Timer& timer);
+  bool measure(const StepContext& context);
+  void accept(const StepContext& context, bool solved, Timer& timer);
   std::unique_ptr<Scene> scene_;
   std::vector<NamedBody> bodies_;
   std::vector<Driver*> drivers_;
@@ -124,9 +150,12 @@ class Simulation {
   ConstraintProblem problem_;
   std::unique_ptr<ConstraintBuilder> builder_;
   std::unique_ptr<ComplianceStage> compliance_;
+  std::unique_ptr<LawCheck> law_check_;
   std::vector<const Body*> const_bodies_;
-  std::vector<VecX> body_force_;
-  std::string identity_;  ///< of scene, files and build: what a state must agree with
+  std::vector<VecX> body_force_;      ///< of the constraints, per body (N, N m)
+  std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
+  Real violation_ = 0;                ///< likewise
+  std::string identity_;              ///< of scene, files and build: what a state must agree with
   StepReport report_;
   bool recording_ = false;
   std::string record_error_;  ///< the first one; recording stops there

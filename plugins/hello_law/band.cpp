@@ -3,6 +3,7 @@
 #include <string>
 
 #include "band_law.h"
+#include "sutura/archive.h"
 #include "sutura/constraints.h"
 #include "sutura/describe.h"
 #include "sutura/plugin.h"
@@ -39,10 +40,9 @@ class Band : public Component, public ConstraintSource {
     if (span.norm() < 1e-6) return;  // no direction to pull in
     const Eigen::Matrix<Real, 1, 3> along = span.normalized().transpose();
 
-    // delta = along . (x - anchor) + rest length, after free motion.
-    const Vec3 free = thread_->point(at_, Configuration::free);
-    const BlockVector<1> d_free = along * (free - anchor_) + BlockVector<1>(rest_length_);
-    block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, d_free, mode_);
+    // delta = along . (x - anchor) + rest length.
+    const BlockVector<1> gap = along * (now - anchor_) + BlockVector<1>(rest_length_);
+    block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, gap, mode_);
 
     PointJacobian J;
     thread_->jacobian(thread_->embed(at_), J);
@@ -52,6 +52,11 @@ class Band : public Component, public ConstraintSource {
   void commit(const StepContext&, const SolvedBlocks& solved) override {
     tension_ = block_.valid() ? solved.lambda(block_)[0] : 0;
     mode_ = block_.valid() ? solved.mode(block_) : BandLaw::slack;
+  }
+
+  void archive(Archive& a) override {
+    a("tension", tension_);
+    a("mode", mode_);
   }
 
  private:

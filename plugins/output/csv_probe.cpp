@@ -81,7 +81,7 @@ std::string CsvProbe::find_columns(const Simulation& simulation, std::string& he
                                  : " [" + column.info->unit + "]";
     header += std::visit(HeaderOf{name.substr(name.front() == '/' ? 1 : 0), unit}, column.read());
   }
-  if (report_) header += ",rows,sweeps,residual,violation [m]";
+  if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
   return {};
 }
 
@@ -119,7 +119,9 @@ std::string CsvProbe::record(const Simulation&, const StepReport& report) {
   for (const OutputHandle& c : columns_) row_ += std::visit(ValueOf{}, c.read());
   if (report_) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
-            format_real(report.solve.residual) + "," + format_real(report.solve.violation);
+            format_real(report.solve.residual) + "," + format_real(report.violation) + "," +
+            std::to_string(report.passes) + "," + std::to_string(report.parts) + "," +
+            format_real(report.worst_imbalance().relative) + "," + (report.solved ? "1" : "0");
   }
   row_ += '\n';
   return append(row_);

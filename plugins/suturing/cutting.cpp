@@ -50,17 +50,17 @@ void Cutting::build(const StepContext&, ConstraintBuilder& builder) {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const EmbeddedPoint& end = channel.end();
-  const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Vec3 tip = thread.point(0, Configuration::current);
-  const Vec3 at = tissue.position(end, Configuration::current);
+  constexpr Configuration now = Configuration::current, start = Configuration::start;
+  const Vec3 forward = -thread.tangent(0, now);
+  const Vec3 tip = thread.point(0, now);
   // Length of open channel ahead, counted along it: a retracted tip may point anywhere.
-  const Vec3 tip_motion = thread.point(0, Configuration::free) - tip;
-  const Vec3 end_motion = tissue.position(end, Configuration::free) - at;
+  const Vec3 tip_motion = tip - thread.point(0, start);
+  const Vec3 end_motion = tissue.position(end, now) - tissue.position(end, start);
   const Real ahead = channel.end_depth() - channel.tip_depth();
   if (ahead > 2 * tip_motion.norm() + path_->spacing()) return;
 
-  const BlockVector<1> free(ahead + forward.dot(end_motion - tip_motion));
-  block_ = builder.add<CuttingLaw>(make_key(source_id_, 0), {.threshold = threshold(end)}, free);
+  const BlockVector<1> gap(ahead + forward.dot(end_motion - tip_motion));
+  block_ = builder.add<CuttingLaw>(make_key(source_id_, 0), {.threshold = threshold(end)}, gap);
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
   builder.couple(block_, thread, -forward.transpose(), J, tip);

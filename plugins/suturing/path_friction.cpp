@@ -138,8 +138,8 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
     params.stick_slip = std::max(stick_speed_ * context.dt, 1e-6 * (c.share.high - c.share.low));
     limit_ += params.kinetic;
     const BlockId block = builder.add<PathFrictionLaw>(
-        make_key(source_id_, c.id), params, BlockVector<1>(c.free.x()), sample.friction_mode);
-    const Eigen::Matrix<Real, Eigen::Dynamic, 3> along = c.axes.topRows<1>();
+        make_key(source_id_, c.id), params, BlockVector<1>(c.gap.x()), sample.friction_mode);
+    const Directions along = c.axes.topRows<1>();
     builder.couple(block, path_->thread(), along, c.thread, c.position);
     builder.couple(block, path_->tissue(), -along, c.tissue, c.position);
     blocks_.push_back({block, c.id, params.stick_slip});

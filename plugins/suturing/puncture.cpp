@@ -65,6 +65,9 @@ void Puncture::describe(Describe<Puncture>& d) {
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
   check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
+}
+
+void Puncture::ready(Setup& setup) {
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot = path_->tissue().closest_surface(tip, reach_, Configuration::current);
   const bool touching = foot && foot->distance > -1e-3 * reach_;
@@ -83,32 +86,50 @@ void Puncture::archive(Archive& a) {
   a("peak_force", peak_force_);
 }
 
-void Puncture::detect(const StepContext&) {
-  front_ = Front::none;
-  if (!path_->channel().tip_inside()) {
-    front_ = find_entry();
-  } else if (path_->channel().tip_at_end()) {
-    front_ = find_exit();
-    if (front_ == Front::none) front_ = find_layer();
-    if (front_ == Front::none) return;
-    const Vec3 tip = path_->thread().point(0, Configuration::current);
+/// What the tip faces is found where the step begins and kept; passes only follow it.
+void Puncture::detect(const StepContext& context) {
+  if (context.pass == 0) {
+    front_ = Front::none;
+    const bool inside = path_->channel().tip_inside();
+    if (!inside) {
+      front_ = find_entry();
+    } else if (path_->channel().tip_at_end()) {
+      front_ = find_exit();
+      if (front_ == Front::none) front_ = find_layer();
+    }
+    const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
-    path_->set_tip_blocked(to_go < 0.01 * reach_);
+    blocked_ = inside && front_ != Front::none && to_go < 0.01 * reach_;
   }
+  path_->set_tip_blocked(blocked_);
+  if (front_ != Front::none && front_ != Front::overrun) follow_front();
+}
+
+/// The surface point and its normal at the present guess.
+void Puncture::follow_front() {
+  constexpr Configuration now = Configuration::current;
+  const SolidBody& tissue = path_->tissue();
+  touched_.position = tissue.position(touched_.at, now);
+  if (front_ == Front::layer)
+    touched_.normal = path_->thread().tangent(0, now);
+  else if (front_ == Front::exit)
+    touched_.normal = -tissue.surface_normal(touched_.triangle, now);
+  else
+    touched_.normal = tissue.surface_normal(touched_.triangle, now);
 }
 
 Puncture::Front Puncture::find_entry() {
   const CurveBody& thread = path_->thread();
-  const Vec3 tip = thread.point(0, Configuration::current);
-  const Real motion = (thread.point(0, Configuration::free) - tip).norm();
-  const auto hit = path_->tissue().closest_surface(tip, motion + reach_, Configuration::current);
+  const Vec3 tip = thread.point(0, Configuration::start);
+  const Real motion = (thread.point(0, Configuration::current) - tip).norm();
+  const auto hit = path_->tissue().closest_surface(tip, motion + reach_, Configuration::start);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
   const bool deep = !hit || hit->distance < -reach_;
-  if (deep && path_->tissue().locate(tip, Configuration::current)) {
+  if (deep && path_->tissue().locate(tip, Configuration::start)) {
     // An indentation deeper than the elements can follow turns them inside out, and the tip is in
     // without a puncture.
     touched_ =
-        *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::current);
+        *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::start);
     return Front::overrun;
   }
   if (!hit) return Front::none;
@@ -119,12 +140,12 @@ Puncture::Front Puncture::find_entry() {
 Puncture::Front Puncture::find_exit() {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
-  const Vec3 tip = thread.point(0, Configuration::current);
-  const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real reach = reach_ + (thread.point(0, Configuration::free) - tip).norm();
-  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::current);
+  const Vec3 tip = thread.point(0, Configuration::start);
+  const Vec3 forward = -thread.tangent(0, Configuration::start);
+  const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
+  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start);
   // A tip that tents the surface may sit on it, on either side by rounding.
-  if (!hit) hit = tissue.closest_surface(tip, 0.1 * reach_, Configuration::current);
+  if (!hit) hit = tissue.closest_surface(tip, 0.1 * reach_, Configuration::start);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;
@@ -136,15 +157,15 @@ Puncture::Front Puncture::find_exit() {
 Puncture::Front Puncture::find_layer() {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
-  const Vec3 tip = thread.point(0, Configuration::current);
-  const Vec3 forward = -thread.tangent(0, Configuration::current);
-  const Real reach = reach_ + (thread.point(0, Configuration::free) - tip).norm();
-  const auto beyond = tissue.locate(tip + reach * forward, Configuration::current);
+  const Vec3 tip = thread.point(0, Configuration::start);
+  const Vec3 forward = -thread.tangent(0, Configuration::start);
+  const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
+  const auto beyond = tissue.locate(tip + reach * forward, Configuration::start);
   if (!beyond) return Front::none;
   const int next = tissue.region(*beyond);
   if (next == region_) return Front::none;
   if (!has_threshold(next)) {
-    const auto here = tissue.locate(tip, Configuration::current);
+    const auto here = tissue.locate(tip, Configuration::start);
     if (here) region_ = tissue.region(*here);
     return Front::none;
   }
@@ -153,7 +174,7 @@ Puncture::Front Puncture::find_layer() {
   EmbeddedPoint at = *beyond;
   while (high - low > 1e-6 * reach_) {
     const Real middle = 0.5 * (low + high);
-    const auto p = tissue.locate(tip + middle * forward, Configuration::current);
+    const auto p = tissue.locate(tip + middle * forward, Configuration::start);
     if (p && tissue.region(*p) == next) {
       high = middle;
       at = *p;
@@ -163,7 +184,7 @@ Puncture::Front Puncture::find_layer() {
   }
   touched_ = {.at = at,
               .triangle = -1,
-              .position = tissue.position(at, Configuration::current),
+              .position = tissue.position(at, Configuration::start),
               .normal = -forward,
               .distance = high};
   return Front::layer;
@@ -195,12 +216,12 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
 
-  const Vec3 free =
-      thread.point(0, Configuration::free) - tissue.position(touched_.at, Configuration::free);
-  block_ = builder.add<PunctureLaw>(make_key(source_id_, static_cast<std::uint64_t>(front_)),
-                                    params, BlockVector<3>(free), PunctureLaw::pressing,
-                                    {.force = params.puncture_force});
-  const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
+  const Vec3 gap = tip - touched_.position;
+  // A name of its own for every front: the next one does not begin in the mode of the last.
+  const auto front = static_cast<std::uint64_t>(8 * count_) + static_cast<std::uint64_t>(front_);
+  block_ = builder.add<PunctureLaw>(make_key(source_id_, front), params, BlockVector<3>(gap),
+                                    PunctureLaw::pressing, {.force = params.puncture_force});
+  const Directions world = Mat3::Identity();
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
   builder.couple(block_, thread, world, J, tip);

@@ -15,6 +15,7 @@ class Puncture : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "Puncture";
   static void describe(Describe<Puncture>& d);
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
   void archive(Archive& archive) override;
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
@@ -28,6 +29,7 @@ class Puncture : public Component, public ConstraintSource {
   Front find_exit();
   Front find_layer();
   void begin_bite();
+  void follow_front();
   bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
@@ -42,6 +44,7 @@ class Puncture : public Component, public ConstraintSource {
   Index source_id_ = 0;
 
   Front front_ = Front::none;
+  bool blocked_ = false;  ///< the front holds the tip from the inside
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
   int region_ = 0;        ///< of the layer the tip has got into
   BlockId block_;

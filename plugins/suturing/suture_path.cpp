@@ -19,13 +19,10 @@ void SuturePath::describe(Describe<SuturePath>& d) {
       "advances and left as it retracts, free along the thread, bilateral across it.");
   d.theory(
       "At each sample P_j of the channel the thread has an abscissa s_j, found in order along the "
-      "path. Two rows hold\n"
-      "delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N normal to the thread (paper, section "
-      "4.4). The rows use the\n"
-      "material point expected at the sample at the end of the step (abscissa plus the slip of the "
-      "step before), so that a\n"
-      "curved needle slides without being straightened: the error left is kappa (slip - last "
-      "slip)^2 / 2.");
+      "path at the present guess of the\n"
+      "end of the step. Two rows hold delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N "
+      "normal "
+      "to the thread there (paper, section 4.4).");
   d.link("thread", &SuturePath::thread_, "Needle and thread.");
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
   d.attribute("spacing", &SuturePath::spacing_, "m", above(0),
@@ -70,41 +67,42 @@ void SuturePath::archive(Archive& a) {
   a("lateral_gap", lateral_gap_);
 }
 
-Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real abscissa,
-                           Real slip) const {
+Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low) const {
+  constexpr Configuration now = Configuration::current;
   Crossing c;
   c.id = id;
-  c.abscissa = std::clamp(abscissa + slip, Real(0), thread_->length());
-  c.position = tissue_->position(at, Configuration::current);
-  const Vec3 tangent = thread_->tangent(abscissa, Configuration::current);
+  c.position = tissue_->position(at, now);
+  c.abscissa =
+      thread_->closest_abscissa(c.position, std::max(before, low), low, thread_->length(), now);
+  const Vec3 tangent = thread_->tangent(c.abscissa, now);
   c.axes.row(0) = tangent;
   c.axes.row(1) = tangent.unitOrthogonal();
   c.axes.row(2) = tangent.cross(tangent.unitOrthogonal());
-  c.free = c.axes * (thread_->point(c.abscissa, Configuration::free) -
-                     tissue_->position(at, Configuration::free));
-  c.free.x() -= c.abscissa - abscissa;
+  c.gap = c.axes * (thread_->point(c.abscissa, now) - c.position);
+  c.gap.x() += before - c.abscissa;
   thread_->jacobian(thread_->embed(c.abscissa), c.thread);
   tissue_->jacobian(at, c.tissue);
   return c;
 }
 
 void SuturePath::detect(const StepContext&) {
-  crossings_.clear();
   tip_blocked_ = false;
   const Channel& channel = *channel_;
-  for (std::size_t i = 0; i < channel.passed(); ++i) {
+  sample_crossings_ = channel.passed();
+  crossings_.resize(sample_crossings_);
+  // From the tip backwards: abscissae grow in the order in which the channel was entered, so each
+  // search is bounded by the one before it and cannot jump to another loop of the thread.
+  Real low = 0;
+  for (std::size_t i = channel.passed(); i-- > 0;) {
     const PathSample& s = channel.samples()[i];
-    crossings_.push_back(cross(s.at, s.id, s.abscissa, s.slip));
-    crossings_.back().sample = i;
-    crossings_.back().share = channel.share_of(i);
+    crossings_[i] = cross(s.at, s.id, s.abscissa, low);
+    crossings_[i].sample = i;
+    crossings_[i].share = channel.share_of(i);
+    low = crossings_[i].abscissa;
   }
-  sample_crossings_ = crossings_.size();
-  if (channel.tip_at_end()) {
-    // The end of the channel is where the tip is; the part of the needle that will be there at the
-    // end of the step has to follow it, or a curved needle would be led along its tangent.
-    const Real advance = std::max(channel.samples()[channel.passed() - 1].slip, Real(0));
-    crossings_.push_back(cross(channel.end(), end_of_channel, 0, advance));
-  }
+  // The end of the channel is where the tip was; the section that is there now has to follow it, or
+  // a curved needle would be led along its tangent.
+  if (channel.tip_at_end()) crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0));
 }
 
 void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
@@ -120,27 +118,11 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     const Real length = is_end ? spacing_ : c.share.high - c.share.low;
     const Real compliance = wall_compliance_ / std::max(length, 0.1 * spacing_);
     const BlockId block = builder.add<Bilateral<2>>(
-        make_key(source_id_, c.id), {.compliance = compliance}, BlockVector<2>(c.free.tail<2>()));
-    const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();
+        make_key(source_id_, c.id), {.compliance = compliance}, BlockVector<2>(c.gap.tail<2>()));
+    const Directions across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
     blocks_.push_back({block, i});
-  }
-}
-
-/// Tells the thread where the path will hold it in the next step, if all goes on as in this one.
-void SuturePath::lead_thread(const SolvedBlocks& solved) {
-  for (const LateralBlock& b : blocks_) {
-    const Crossing& c = crossings_[b.crossing];
-    const PathSample* s = channel_->find(c.id);
-    if (s == nullptr) continue;  // the end of the channel, or left by a retracting tip
-    // Through where the thread is now, not the sample: the wall gives, and a guide does not.
-    const Vec3 moved = tissue_->position(s->at, Configuration::current) - c.position;
-    thread_->expect({.abscissa = std::clamp(s->abscissa + s->slip, Real(0), thread_->length()),
-                     .point = thread_->point(s->abscissa, Configuration::current) + moved,
-                     .tangent = thread_->tangent(s->abscissa, Configuration::current),
-                     .acted_at = c.abscissa,
-                     .force = solved.force(b.block)});
   }
 }
 
@@ -154,7 +136,6 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
     }
   }
   channel_->update();
-  lead_thread(solved);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];

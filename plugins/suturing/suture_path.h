@@ -17,13 +17,13 @@ namespace sutura {
 struct Crossing {
   std::size_t sample = 0;  ///< index into Channel::samples
   std::uint64_t id = 0;    ///< of the sample; the end of the channel has an id of its own
-  Real abscissa = 0;  ///< of the material point expected at the sample at the end of the step (m)
-  Channel::Share share;  ///< of the thread
+  Real abscissa = 0;       ///< of the section at the sample (m)
+  Channel::Share share;    ///< of the thread
   Vec3 position = Vec3::Zero();
-  Mat3 axes = Mat3::Identity();  ///< rows: thread tangent (towards growing abscissa), two normals
-  Vec3 free =
-      Vec3::Zero();  ///< thread point minus tissue point after free motion, along `axes` (m); the
-                     ///< axial one is counted from the material point at the sample now: it is slip
+  Mat3 axes = Mat3::Identity();  ///< rows: tangent (towards growing abscissa), two normals
+  /// Thread point minus tissue point along `axes` (m). The axial one is the slip of the step: it is
+  /// counted from the section that was at the sample when the step began.
+  Vec3 gap = Vec3::Zero();
   PointJacobian thread;
   PointJacobian tissue;
 };
@@ -50,8 +50,8 @@ class SuturePath : public Component, public ConstraintSource {
   bool tip_blocked() const { return tip_blocked_; }
 
  private:
-  void lead_thread(const SolvedBlocks& solved);
-  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real abscissa, Real slip) const;
+  /// `before`: the abscissa at the start of the step; `low`: that of the sample nearer to the tip.
+  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low) const;
 
   Link<CurveBody> thread_;
   Link<SolidBody> tissue_;

@@ -5,21 +5,29 @@
 
 namespace sutura::thread {
 
-/// The twelve numbers M (v_a, w_a, v_b, w_b) of one element.
+/// How a node moves: velocity, rate of its section's tangent (spin x tangent), spin.
+struct NodeRates {
+  Vec3 v, tangent, spin;
+};
+
+/// The twelve numbers M (a, b) of one element.
 struct MassTimes {
   Vec3 xa, sa, xb, sb;
-  MassTimes(const ElementMass& m, const ElementState& s, const Vec3& va, const Vec3& wa,
-            const Vec3& vb, const Vec3& wb) {
-    const Vec3 ra = wa.cross(s.ta), rb = wb.cross(s.tb);  // velocity of the tangents
-    xa = m.same * va + m.other * vb + m.couple_same * ra + m.couple_other * rb;
-    xb = m.same * vb + m.other * va - m.couple_same * rb - m.couple_other * ra;
-    const Vec3 ta = m.couple_same * va - m.couple_other * vb + m.spin_same * ra + m.spin_other * rb;
-    const Vec3 tb =
-        -m.couple_same * vb + m.couple_other * va + m.spin_same * rb + m.spin_other * ra;
-    const Vec3 la = m.roll_same * wa + m.roll_other * wb, lb = m.roll_same * wb + m.roll_other * wa;
+  MassTimes(const ElementMass& m, const ElementState& s, const NodeRates& a, const NodeRates& b) {
+    xa = m.same * a.v + m.other * b.v + m.couple_same * a.tangent + m.couple_other * b.tangent;
+    xb = m.same * b.v + m.other * a.v - m.couple_same * b.tangent - m.couple_other * a.tangent;
+    const Vec3 ta = m.couple_same * a.v - m.couple_other * b.v + m.spin_same * a.tangent +
+                    m.spin_other * b.tangent;
+    const Vec3 tb = -m.couple_same * b.v + m.couple_other * a.v + m.spin_same * b.tangent +
+                    m.spin_other * a.tangent;
+    const Vec3 la = m.roll_same * a.spin + m.roll_other * b.spin;
+    const Vec3 lb = m.roll_same * b.spin + m.roll_other * a.spin;
     sa = s.ta.cross(ta) + la + s.e.dot(la) * s.e;
     sb = s.tb.cross(tb) + lb + s.e.dot(lb) * s.e;
   }
+  MassTimes(const ElementMass& m, const ElementState& s, const Vec3& va, const Vec3& wa,
+            const Vec3& vb, const Vec3& wb)
+      : MassTimes(m, s, {va, wa.cross(s.ta), wa}, {vb, wb.cross(s.tb), wb}) {}
 };
 
 struct ElementVelocity {

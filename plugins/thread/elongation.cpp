@@ -31,7 +31,7 @@ void Elongation::archive(Archive& a) {
   a("active", active_);
 }
 
-void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {
+void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
   const Rod& rod = thread->rod();
   ElementState s;
@@ -46,7 +46,7 @@ void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {
     // tangent of the interval's first section, so that recorders show the force where it pulls.
     const Pose& at = rod.poses(Configuration::current)[first];
     const Vec3 along = at.rotation * Vec3::UnitX();
-    Real room = 0, length = 0, rate = 0;
+    Real room = 0, length = 0;
     for (Index e = first; e < last; ++e) {
       const Real L = rod.element(e).length;
       rod.element_state(e, s);
@@ -57,17 +57,13 @@ void Elongation::build(const StepContext& context, ConstraintBuilder& builder) {
       row << -g.head<3>().transpose(), g.segment<3>(3).transpose(), g.head<3>().transpose(),
           g.tail<3>().transpose();
       J.coefficients.middleCols<12>(6 * (e - first)) += along * row;
-      rate += row * rod.free_velocity().segment<12>(6 * e);
     }
-    // Slack intervals make no rows: strain below a hundredth of the limit now and after the free
-    // motion.
-    const Real free_room = room + context.dt * rate;
-    if (std::min(room, free_room) > 0.99 * limit * length) continue;
+    // Slack intervals make no rows: strain below a hundredth of the limit.
+    if (room > 0.99 * limit * length) continue;
     const Key key =
         make_key(source_id_, static_cast<std::uint64_t>(std::llround(1e7 * rod.abscissa()[first])));
-    const BlockId block =
-        builder.add<Unilateral>(key, {}, BlockVector<1>(free_room), Unilateral::open,
-                                {.force = 0.1, .length = limit * length});
+    const BlockId block = builder.add<Unilateral>(key, {}, BlockVector<1>(room), Unilateral::open,
+                                                  {.force = 0.1, .length = limit * length});
     builder.couple(block, *thread, Eigen::Matrix<Real, 1, 3>(along.transpose()), J, at.position);
     blocks_.push_back(block);
   }

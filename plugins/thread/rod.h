@@ -1,8 +1,13 @@
 // A chain of beams: its state, one implicit Euler step, and its static equilibrium. Knows no scene.
 //
-// Step, on the change of velocity dv (6 per node: translation, spin; world axes):
-//   A dv = h (f - h K v - B v),  A = M + h B + h^2 K,  B = alpha M + beta K
-// with f the exact gradient of the energy and K its positive semidefinite part (element.h).
+// A step is implicit Euler, solved in passes. At the guess v of the velocity at its end (6 per
+// node: translation, spin; world axes), with the poses x = start + h v,
+//   r = M (v_start - v) + h (f(x) + weight - B v),     A dv = r,     A = M + h B + h^2 K,  B =
+//   alpha M + beta K
+// with f the exact gradient of the energy and K its positive semidefinite part (element.h). The
+// geometric stiffness in K takes the tension that the pass before predicted and not the one at the
+// guess: a stiff beam that turns by theta in a pass is stretched by theta^2/2 until the next pass
+// takes that back (docs/theory/thread.md).
 #pragma once
 
 #include <functional>
@@ -36,7 +41,7 @@ struct NodeSpring {
 /// said otherwise.
 struct ResampleWork {
   RodLayout layout;
-  DofVector velocity, force;
+  DofVector velocity;
   std::vector<Real> twist, strain, old_abscissa;
   std::vector<char> changed, halves;
   std::vector<Index> clamped, concerned;
@@ -49,7 +54,6 @@ class Rod {
   // Settings.
   Real damping_mass = 0;       ///< alpha, 1/s
   Real damping_stiffness = 0;  ///< beta, s
-  Index newton_iterations = 1;
 
   void build(const RodLayout& layout);
   /// Room for so many beams: up to it, resample allocates nothing. After the clamps and springs.
@@ -72,39 +76,38 @@ class Rod {
   Index dofs() const { return 6 * nodes(); }
   const std::vector<Real>& abscissa() const { return abscissa_; }
   const std::vector<Pose>& poses(Configuration c) const {
-    return c == Configuration::rest ? rest_ : c == Configuration::free ? free_ : pose_;
+    return c == Configuration::rest ? rest_ : c == Configuration::start ? start_ : pose_;
   }
   std::vector<Pose>& state() { return pose_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
-  /// Where constraints are expected to hold the rod at the end of the next step; emptied by it.
-  std::vector<Guide>& guides() { return guides_; }
-  const DofVector& free_velocity() const { return free_velocity_; }
-  /// Free motion less the motion that it was linearised about, whose poses are Configuration::free.
-  const DofVector& free_correction() const { return free_correction_; }
+  /// Change of the guess, in velocity, that the present pass leads to without constraint forces.
+  const DofVector& free_change() const { return free_change_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
   const Section& section(Index e) const { return sections_[e]; }
   const BlockTridiagonal& matrix() const { return matrix_; }
 
-  /// Assembles and factors A at the current state, fills the free poses. False if it cannot.
-  bool free_motion(Real dt, const Vec3& gravity);
-  /// Adds dt A^-1 force to the free motion and moves to the end of the step.
-  void correct(Real dt, const Dofs& force);
+  /// Begins a step where the last one ended, or the same step anew with another length.
+  void begin_step(Real dt, const Vec3& gravity);
+  /// Assembles and factors A at the guess and finds free_change. False if A is not positive
+  /// definite.
+  bool free_motion();
+  /// The guess moves by free_change + dt A^-1 force; only part of the way where that turns a beam
+  /// too far.
+  void correct(const Dofs& force);
+  /// Of the guess under `force` of constraints.
+  Imbalance imbalance(const Dofs& force) const;
+  /// The guess is the end of the step.
+  void end_step();
+  /// A whole step under `force` alone, in passes until its relative imbalance is below `tolerance`.
+  /// Returns the passes, 0 if they did not get there.
+  Index advance(Real dt, const Vec3& gravity, const Dofs& force, Real tolerance = 1e-9);
 
   // The parts of free_motion, also for measurement.
-  void assemble(Real dt, const Vec3& gravity);
+  void assemble();
   bool factor();
-  void advance_free(Real dt, const Vec3& gravity);
-
-  /// Linearisations the last free motion took.
-  Index passes() const { return passes_; }
-  /// The last free motion found none that loses energy, and left the rod where it was.
-  bool stuck() const { return stuck_; }
-  /// Constraints turned a beam this many times further than a step can follow; above 1 the step was
-  /// shortened.
-  Real excess_turn() const { return excess_turn_; }
 
   struct StaticReport {
     bool converged = false;
@@ -134,22 +137,11 @@ class Rod {
   void element_state(Index e, ElementState& s) const;
 
  private:
-  void assemble_at(Real dt, const Vec3& gravity, const std::vector<Pose>& poses,
-                   std::vector<Real>& twist, const Dofs& v, bool first);
-  bool expected_motion(Real dt, const Vec3& gravity);
-  void start_by_inertia(Real dt, const Vec3& gravity);
-  bool guided_motion(Real dt, const Vec3& gravity);
-  void apply_guides(Real dt);
-  Real guide_energy() const;  ///< of their springs at the free poses
-  bool find_correction(Real dt, const Vec3& gravity, Real& turn);
-  void take_correction(Real dt, Real part);
-  Real take_shortened(Real dt, const Vec3& gravity, Real turn, Real value);
-  bool follow_guides(Real dt, const Vec3& gravity);
-  bool linearise_ahead(Real dt, const Vec3& gravity);
-  bool linearise_here(Real dt, const Vec3& gravity);
-  void answer(const Dofs& force);
-  void apply_springs(Real dt, const Vec3& fall, const std::vector<Pose>& poses, const Dofs& v,
-                     bool first);
+  void take_guess(bool inertia);
+  void evaluate_guess();
+  void add_beam_balance(Index e);
+  void add_spring_balance();
+  Wrench spring_wrench(const NodeSpring& spring) const;
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& v,
             Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
   StaticReport solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
@@ -157,40 +149,33 @@ class Rod {
   /// Largest turn of a chord or tangent in the step (rad).
   Real largest_turn(const std::vector<Pose>& poses, const Dofs& step) const;
   static constexpr Real turn_limit = 0.5;  ///< rad: inside it the quadratic model of a beam is good
-  Real beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const Dofs& v,
-                   const Vec3& gravity) const;
-  Real spring_energy(const std::vector<Pose>& poses) const;
-  struct Energy {
-    Real kinetic = 0, potential = 0;
-    Real total() const { return kinetic + potential; }
-  };
-  /// At the free poses; `note_tension` keeps theirs for the next linearisation.
-  Energy free_energy(const Vec3& gravity, bool note_tension = false);
-  Real incremental_potential(Real dt, const Vec3& gravity);
-  void add_correction(Real dt, Real part);
-  bool descend(Real dt, const Vec3& gravity);
-  void predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
-                       const Dofs& step, Real factor, bool first);
+  /// Forces below this share of the largest in the rod are taken for rounding where nothing else is
+  /// at work.
+  static constexpr Real negligible = 1e-6;
+  void predict_tension(const Dofs& step, Real part);
   void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
 
   std::vector<Real> abscissa_;
   std::vector<Section> sections_;
   std::vector<ElementRest> elements_;
   std::vector<ElementMass> masses_;
-  std::vector<Pose> rest_, pose_, free_;
-  std::vector<Real> twist_, free_twist_;
-  std::vector<Real> tension_;  ///< of the linearisation, N
-  std::vector<Guide> guides_;
-  DofVector constraint_force_;  ///< of the last step: what the next one expects to feel again
-  DofVector velocity_, free_velocity_, free_correction_, last_force_, rhs_, scratch_,
-      before_velocity_, correction_;
-  Real start_energy_ = 0;
-  Real keep_ =
-      1;  ///< of the velocity after the step; below 1 only when the energy balance asks for it
-  Index passes_ = 0;
-  bool stuck_ = false;
-  static constexpr Real most_turn = 1;  ///< rad, beyond the expected motion
-  Real excess_turn_ = 0;
+  std::vector<Pose> rest_, pose_;
+  std::vector<Real> twist_;
+  DofVector velocity_;
+
+  // The step: where it began, and what is known at the guess.
+  bool in_step_ = false;
+  Real dt_ = 0;
+  Vec3 gravity_ = Vec3::Zero();
+  std::vector<Pose> start_;
+  std::vector<Real> start_twist_;
+  DofVector start_velocity_;
+  std::vector<Vec3> start_rate_;      ///< of the tangents, 1/s
+  std::vector<ElementState> states_;  ///< per beam
+  std::vector<Real> tension_;         ///< that the last pass predicted, N
+  DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
+  std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
+  DofVector free_change_, change_;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

@@ -41,7 +41,6 @@ void ResampleWork::reserve(std::size_t nodes) {
   layout.start.reserve(nodes);
   layout.sections.reserve(nodes);
   velocity.reserve(6 * static_cast<Index>(nodes));
-  force.reserve(6 * static_cast<Index>(nodes));
   for (auto* reals : {&twist, &strain, &old_abscissa}) reals->reserve(nodes);
   changed.reserve(nodes);
   halves.reserve(nodes);
@@ -54,15 +53,14 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   before.head<3>() = momentum();
   before.tail<3>() = angular_momentum();
   const std::size_t n = abscissa.size();
-  auto& [layout, velocity, force, twist, strain, old_abscissa, changed, halves, clamped,
-         nodes_concerned, springs] = work_;
+  auto& [layout, velocity, twist, strain, old_abscissa, changed, halves, clamped, nodes_concerned,
+         springs] = work_;
   layout.abscissa = abscissa;
   layout.rest.clear();
   layout.start.clear();
   layout.sections.clear();
   twist.assign(n - 1, 0);
   velocity.clear(6 * static_cast<Index>(n));
-  force.clear(velocity.size());
   changed.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     const CurvePlace at = place(*this, abscissa[i]);
@@ -74,7 +72,6 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     velocity.segment<6>(6 * static_cast<Index>(i)) =
         old ? Vec6(velocity_.segment<6>(6 * node)) : velocity_at(*this, at);
     changed[i] = !old;
-    if (old) force.segment<6>(6 * static_cast<Index>(i)) = constraint_force_.segment<6>(6 * node);
     if (i > 0) layout.sections.push_back(section((abscissa[i - 1] + abscissa[i]) / 2));
   }
   // The strain that the two halves of a split beam have to keep.
@@ -101,21 +98,12 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
       ++i;
       break;
     }
-  // A node that goes: its constraint force works through its neighbours; they too are corrected
-  // below.
+  // The neighbours of a node that goes are corrected below too.
   for (Index k = 0; k < nodes(); ++k) {
     const auto right = std::lower_bound(abscissa.begin(), abscissa.end(), abscissa_[k] - 1e-12);
     if (right != abscissa.end() && std::abs(*right - abscissa_[k]) < 1e-12) continue;
-    const auto b = static_cast<Index>(right - abscissa.begin()), a = b - 1;
-    const Real L = abscissa[b] - abscissa[a], u = (abscissa_[k] - abscissa[a]) / L;
-    const auto w = Cubic::weights(u);
-    const Vec3 f = constraint_force_.segment<3>(6 * k), m = constraint_force_.segment<3>(6 * k + 3);
-    const auto tangent = [&](Index j) { return Vec3(layout.start[j].rotation * Vec3::UnitX()); };
-    force.segment<3>(6 * a) += w[0] * f;
-    force.segment<3>(6 * a + 3) += w[1] * L * tangent(a).cross(f) + (1 - u) * m;
-    force.segment<3>(6 * b) += w[2] * f;
-    force.segment<3>(6 * b + 3) += w[3] * L * tangent(b).cross(f) + u * m;
-    changed[a] = changed[b] = 1;
+    const auto b = static_cast<std::size_t>(right - abscissa.begin());
+    changed[b - 1] = changed[b] = 1;
   }
   clamped = clamped_;
   springs = springs_;
@@ -131,9 +119,7 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
     springs_.push_back(spring);
   }
   twist_ = twist;
-  free_twist_ = twist;
   velocity_ = velocity;
-  constraint_force_ = force;
 
   // Arc lengths of the cubic and of the beams differ in the fourth power of the angle; times EA
   // that is seen. The new node gives way until both halves have the strain of the whole: smallest
@@ -152,9 +138,10 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
           1 + 1e-9;  // a straight beam has one direction only, and nothing to correct across
       pose_[k].position += J.transpose() * (jj.inverse() * wanted);
     }
-  free_ = pose_;
 
-  // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned.
+  // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned. A
+  // clamp gives the rod whatever momentum it needs, and must not move.
+  if (!clamped_.empty()) return;
   nodes_concerned.clear();
   for (std::size_t k = 0; k < n; ++k)
     if (changed[k]) nodes_concerned.push_back(static_cast<Index>(k));

@@ -28,14 +28,12 @@ void Rod::static_residual(const Vec3& gravity, const VecX& load, VecX& residual,
   for (Index i = 0; i < nodes(); ++i) potential -= load.segment<3>(6 * i).dot(pose_[i].position);
   for (const NodeSpring& spring : springs_) {
     if (!spring.active) continue;
-    const Pose& p = pose_[spring.node];
-    const Vec3 d = spring.target.position - p.position;
-    const Vec3 w = rotation_between(p.rotation, spring.target.rotation);
-    residual.segment<3>(6 * spring.node) += spring.stiffness.translation * d;
-    residual.segment<3>(6 * spring.node + 3) += spring.stiffness.rotation * w;
-    potential += (spring.stiffness.translation * d.squaredNorm() +
-                  spring.stiffness.rotation * w.squaredNorm()) /
-                 2;
+    const Wrench w = spring_wrench(spring);
+    residual.segment<3>(6 * spring.node) += w.force;
+    residual.segment<3>(6 * spring.node + 3) += w.moment;
+    potential += w.force.squaredNorm() / (2 * spring.stiffness.translation);
+    if (spring.stiffness.rotation > 0)
+      potential += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);
   }
   for (const Index node : clamped_) residual.segment<6>(6 * node).setZero();
 }
@@ -170,7 +168,6 @@ Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real t
       report.iterations += before;
     }
   }
-  free_ = pose_;
   return report;
 }
 

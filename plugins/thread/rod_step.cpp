@@ -1,238 +1,262 @@
-// The free motion of one time step: one linearisation when the motion is calm, more when it is not.
+// One step of a rod: guess, balance at the guess, linear answer. The passes are the caller's
+// (step.cpp).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "element_mass.h"
 #include "rod.h"
 
 namespace sutura::thread {
 
-/// Elastic, kinetic and weight energy of one beam.
-Real Rod::beam_energy(Index e, const ElementState& s, const std::vector<Pose>& poses, const Dofs& v,
-                      const Vec3& gravity) const {
-  const ElementRest& r = elements_[e];
-  const ElementVelocity w(v, e);
-  const Vec3 middle =
-      (poses[e].position + poses[e + 1].position) / 2 + r.length / 12 * (s.ta - s.tb);
-  return thread::elastic_energy(r, s) + kinetic(masses_[e], s, w) - r.mass * gravity.dot(middle);
+void Rod::begin_step(Real dt, const Vec3& gravity) {
+  dt_ = dt;
+  gravity_ = gravity;
+  if (!in_step_) {
+    start_ = pose_;
+    start_twist_ = twist_;
+    start_velocity_ = velocity_;
+    for (Index i = 0; i < nodes(); ++i)
+      start_rate_[i] =
+          Vec3(velocity_.segment<3>(6 * i + 3)).cross(pose_[i].rotation * Vec3::UnitX());
+    in_step_ = true;
+  }
+  take_guess(false);
+  for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
+  // Going on as before is the better guess, unless it turns beams too far for anything to be
+  // linear.
+  change_ = dt * start_velocity_;
+  if (largest_turn(start_, change_) < turn_limit) take_guess(true);
 }
 
-Real Rod::spring_energy(const std::vector<Pose>& poses) const {
-  Real sum = 0;
+/// The guess: no motion at all, or that of the step before with the fall of this one.
+void Rod::take_guess(bool inertia) {
+  velocity_.setZero();
+  if (inertia) {
+    velocity_ = start_velocity_;
+    if (clamped_.empty())
+      for (Index i = 0; i < nodes(); ++i) velocity_.segment<3>(6 * i) += dt_ * gravity_;
+  }
+  move(start_, start_twist_, velocity_, dt_, pose_, twist_);
+  evaluate_guess();
+}
+
+/// states_, missing_ and at_work_ at the guess.
+void Rod::evaluate_guess() {
+  missing_.setZero();
+  std::fill(at_work_.begin(), at_work_.end(), 0);
+  for (Index e = 0; e < beams(); ++e) {
+    evaluate(elements_[e], pose_[e], pose_[e + 1], twist_[e], states_[e]);
+    twist_[e] = states_[e].twist;
+    add_beam_balance(e);
+  }
+  add_spring_balance();
+  for (const Index node : clamped_) missing_.segment<6>(6 * node).setZero();
+}
+
+void Rod::add_beam_balance(Index e) {
+  const ElementRest& r = elements_[e];
+  const ElementMass& m = masses_[e];
+  const ElementState& s = states_[e];
+  const ElementVelocity v(velocity_, e), old(start_velocity_, e);
+  const ElementGradient g = gradient(r, s);
+  Vec3 xa = dt_ * g.v, xb = -xa, sa = -dt_ * g.a, sb = -dt_ * g.b;
+
+  // Gravity as a uniform change of velocity is exact and free of rounding; a clamp does not fall.
+  Vec3 fall = Vec3::Zero();
+  const Vec3 weight = dt_ * r.mass * gravity_;
+  if (clamped_.empty()) {
+    fall = dt_ * gravity_;
+  } else {
+    xa += weight / 2;
+    xb += weight / 2;
+    sa += r.length / 12 * s.ta.cross(weight);
+    sb -= r.length / 12 * s.tb.cross(weight);
+  }
+  if (damping_stiffness > 0) {
+    ElementMatrix k;
+    ElementState predicted = s;
+    predicted.tension = tension_[e];
+    step_stiffness(r, predicted, k);
+    const Real c = dt_ * damping_stiffness;
+    const Vec3 dv = v.vb - v.va;
+    const Vec3 f = c * (k.vv * dv + k.va * v.wa + k.vb * v.wb);
+    xa += f;
+    xb -= f;
+    sa -= c * (k.va.transpose() * dv + k.aa * v.wa + k.ab * v.wb);
+    sb -= c * (k.vb.transpose() * dv + k.ab.transpose() * v.wa + k.bb * v.wb);
+  }
+  // Change of momentum. The rate of the tangents is compared as a vector: so linear momentum is
+  // kept exactly while they turn.
+  const Real keep = 1 + dt_ * damping_mass;
+  const NodeRates a{keep * v.va - old.va - fall, keep * v.wa.cross(s.ta) - start_rate_[e],
+                    keep * v.wa - old.wa};
+  const NodeRates b{keep * v.vb - old.vb - fall, keep * v.wb.cross(s.tb) - start_rate_[e + 1],
+                    keep * v.wb - old.wb};
+  const MassTimes p(m, s, a, b);
+  missing_.segment<3>(6 * e) += xa - p.xa;
+  missing_.segment<3>(6 * e + 3) += sa - p.sa;
+  missing_.segment<3>(6 * e + 6) += xb - p.xb;
+  missing_.segment<3>(6 * e + 9) += sb - p.sb;
+
+  const Real inner = g.v.norm(), outer = (weight.norm() / 2) / dt_;
+  at_work_[e] += inner + g.a.norm() / r.length + p.xa.norm() / dt_ + outer;
+  at_work_[e + 1] += inner + g.b.norm() / r.length + p.xb.norm() / dt_ + outer;
+}
+
+void Rod::add_spring_balance() {
   for (const NodeSpring& spring : springs_) {
     if (!spring.active) continue;
-    const Pose& p = poses[spring.node];
-    sum += (spring.stiffness.translation * (spring.target.position - p.position).squaredNorm() +
-            spring.stiffness.rotation *
-                rotation_between(p.rotation, spring.target.rotation).squaredNorm()) /
-           2;
+    const Wrench w = spring_wrench(spring);
+    missing_.segment<3>(6 * spring.node) += dt_ * w.force;
+    missing_.segment<3>(6 * spring.node + 3) += dt_ * w.moment;
+    at_work_[spring.node] += w.force.norm();
   }
-  return sum;
 }
 
-Rod::Energy Rod::free_energy(const Vec3& gravity, bool note_tension) {
-  Energy sum;
-  sum.potential = spring_energy(free_);
-  ElementState s;
+Wrench Rod::spring_wrench(const NodeSpring& spring) const {
+  const Pose& p = pose_[spring.node];
+  return {spring.stiffness.translation * (spring.target.position - p.position),
+          spring.stiffness.rotation * rotation_between(p.rotation, spring.target.rotation)};
+}
+
+void Rod::assemble() {
+  const Real mass_factor = 1 + dt_ * damping_mass;
+  const Real stiffness_factor = dt_ * (dt_ + damping_stiffness);
+  matrix_.diagonal(0).setZero();
+  ElementMatrix k;
   for (Index e = 0; e < beams(); ++e) {
-    evaluate(elements_[e], free_[e], free_[e + 1], free_twist_[e], s);
-    free_twist_[e] = s.twist;
-    if (note_tension) tension_[e] = s.tension;
-    const Real moving = kinetic(masses_[e], s, ElementVelocity(free_velocity_, e));
-    sum.kinetic += moving;
-    sum.potential += beam_energy(e, s, free_, free_velocity_, gravity) - moving;
+    const ElementMass& m = masses_[e];
+    ElementState& s = states_[e];
+    const Real tension = s.tension;
+    s.tension = tension_[e];
+    step_stiffness(elements_[e], s, k);
+    s.tension = tension;
+
+    Mat6& da = matrix_.diagonal(e);
+    Mat6& db = matrix_.diagonal(e + 1);
+    Mat6& up = matrix_.upper(e);
+    const Mat3 ee = s.e * s.e.transpose();
+    const Mat3 vv = stiffness_factor * k.vv;
+    const auto plus_diagonal = [](Mat3 a, Real c) {
+      a.diagonal().array() += c;
+      return a;
+    };
+    const Real same = mass_factor * m.same, other = mass_factor * m.other;
+    const Real cs = mass_factor * m.couple_same, co = mass_factor * m.couple_other;
+    const Real ss = mass_factor * m.spin_same, so = mass_factor * m.spin_other;
+    const Real rs = mass_factor * m.roll_same, ro = mass_factor * m.roll_other;
+    const Mat3 ta = cross_matrix(s.ta), tb = cross_matrix(s.tb);
+
+    da.topLeftCorner<3, 3>() += plus_diagonal(vv, same);
+    const Mat3 xs = stiffness_factor * k.va + cs * ta;
+    da.topRightCorner<3, 3>() -= xs;
+    da.bottomLeftCorner<3, 3>() -= xs.transpose();
+    da.bottomRightCorner<3, 3>() +=
+        plus_diagonal(stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
+
+    db.topLeftCorner<3, 3>() = plus_diagonal(vv, same);
+    const Mat3 ys = stiffness_factor * k.vb + cs * tb;
+    db.topRightCorner<3, 3>() = ys;
+    db.bottomLeftCorner<3, 3>() = ys.transpose();
+    db.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
+
+    up.topLeftCorner<3, 3>() = plus_diagonal(-vv, other);
+    up.topRightCorner<3, 3>() = -stiffness_factor * k.vb - co * tb;
+    up.bottomLeftCorner<3, 3>() = (stiffness_factor * k.va + co * ta).transpose();
+    up.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
+                      so * s.ta.dot(s.tb) + ro);
   }
-  return sum;
+  for (const NodeSpring& spring : springs_) {
+    if (!spring.active) continue;
+    auto diagonal = matrix_.diagonal(spring.node).diagonal().array();
+    diagonal.head<3>() += dt_ * dt_ * spring.stiffness.translation;
+    diagonal.tail<3>() += dt_ * dt_ * spring.stiffness.rotation;
+  }
+  for (const Index node : clamped_)
+    for (int d = 0; d < 6; ++d) matrix_.fix(node, d);
 }
 
-/// Tension at the end of the linear step `dv` from `poses`: the linear prediction, which is free of
-/// the second-order stretch of a finite rotation.
-void Rod::predict_tension(const std::vector<Pose>& poses, const std::vector<Real>& twist,
-                          const Dofs& step, Real factor, bool first) {
-  ElementState s;
+// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about
+// its own axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings
+// it back.
+bool Rod::factor() {
+  for (Real shift = 1e-13; !matrix_.factor(); shift *= 100) {
+    if (!(shift < 1e-6)) return false;
+    for (Index i = 0; i < nodes(); ++i) matrix_.diagonal(i).diagonal() *= 1 + shift;
+  }
+  return true;
+}
+
+bool Rod::free_motion() {
+  assemble();
+  if (!factor()) return false;
+  free_change_ = missing_;
+  matrix_.solve(Eigen::Ref<VecX>(free_change_));
+  return true;
+}
+
+/// Tension after `part` of the step (m, rad) from the guess: the linear prediction, which is free
+/// of the second-order stretch of a finite rotation.
+void Rod::predict_tension(const Dofs& step, Real part) {
   Vec9 change;
   for (Index e = 0; e < beams(); ++e) {
-    evaluate(elements_[e], poses[e], poses[e + 1], twist[e], s);
+    const ElementState& s = states_[e];
     change << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e), step.segment<3>(6 * e + 3),
         step.segment<3>(6 * e + 9);
-    const Real from = first ? s.tension : tension_[e];
     const Real to = s.tension + elements_[e].axial * strain_gradient(elements_[e], s).dot(change);
-    tension_[e] = from + factor * (to - from);
+    tension_[e] += part * (to - tension_[e]);
   }
 }
 
-/// Adds `part` of the Newton correction in rhs_ to the free motion.
-void Rod::add_correction(Real dt, Real part) {
-  predict_tension(free_, free_twist_, scratch_, part, false);
-  free_velocity_ += part * rhs_;
-  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
+void Rod::correct(const Dofs& force) {
+  change_ = force;
+  for (const Index node : clamped_) change_.segment<6>(6 * node).setZero();
+  matrix_.solve(Eigen::Ref<VecX>(change_));
+  change_ = dt_ * (free_change_ + dt_ * change_);
+  const Real part = std::min(1., turn_limit / largest_turn(pose_, change_));
+  predict_tension(change_, part);
+  velocity_ += part / dt_ * change_;
+  move(start_, start_twist_, velocity_, dt_, pose_, twist_);
+  evaluate_guess();
 }
 
-// A taut thread in its path would leave it by millimetres if its constraints were dropped for the
-// free motion, and a linearisation there says nothing about where it will be. So the step is
-// linearised about the motion that is expected with constraints: led by guides where a path has
-// left some (rod_guides.cpp), else under the constraint forces of the step before. Those are then
-// taken off again, linearly: rows still answer with their whole lambda.
-bool Rod::free_motion(Real dt, const Vec3& gravity) {
-  const bool guided = !guides_.empty() && guided_motion(dt, gravity);
-  guides_.clear();
-  if (guided) return true;
-  if (!expected_motion(dt, gravity)) return false;
-  answer(constraint_force_);
-  free_correction_ = -dt * rhs_;
-  free_velocity_ += free_correction_;
-  return true;
-}
-
-/// The free motion as the velocity of the step before would have it; tension and start energy are
-/// those of now.
-void Rod::start_by_inertia(Real dt, const Vec3& gravity) {
-  free_ = pose_;
-  free_twist_ = twist_;
-  free_velocity_ = velocity_;
-  start_energy_ = free_energy(gravity, true).total();
-  if (clamped_.empty())
-    for (Index i = 0; i < nodes(); ++i) free_velocity_.segment<3>(6 * i) += dt * gravity;
-  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-}
-
-/// Linearises where the motion of the step before leads: a turning beam then has no second-order
-/// stretch left but that of its acceleration. False if the linear system is not positive definite.
-bool Rod::linearise_ahead(Real dt, const Vec3& gravity) {
-  start_by_inertia(dt, gravity);
-  assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-  if (!factor()) return false;
-  matrix_.solve(Eigen::Ref<VecX>(rhs_));
-  scratch_ = dt * rhs_;
-  // A second pass would otherwise meet the tension of the start of the step at the poses of its
-  // end.
-  if (newton_iterations > 1) predict_tension(free_, free_twist_, scratch_, 1, false);
-  free_velocity_ += rhs_;
-  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-  return true;
-}
-
-bool Rod::linearise_here(Real dt, const Vec3& gravity) {
-  assemble(dt, gravity);
-  start_energy_ += spring_energy(pose_);
-  if (!factor()) return false;
-  advance_free(dt, gravity);
-  scratch_ = dt * free_velocity_;
-  return true;
-}
-
-// One linearisation is all that most steps need. Implicit Euler loses energy; when the linearised
-// step gained some (the stretch faked by turning beams, times EA), or turned a beam by more than
-// half a radian, Newton goes on until the energy balance holds; if it does not get there, the
-// guarded descent does.
-bool Rod::expected_motion(Real dt, const Vec3& gravity) {
-  keep_ = 1;
-  passes_ = 1;
-  stuck_ = false;
-  scratch_ = dt * velocity_;
-  const Real turn = largest_turn(pose_, scratch_);
-  const bool ahead = turn > 1e-4 && turn < turn_limit;
-  if (!(ahead ? linearise_ahead(dt, gravity) : linearise_here(dt, gravity))) return false;
-  Real part = std::min(1., turn_limit / largest_turn(pose_, scratch_));
-  const Real slack = 1e-9 * (std::abs(start_energy_) + mass() * gravity.norm() * abscissa_.back());
-  const Index most_passes = newton_iterations + 8;
-  for (;; ++passes_) {
-    if (part == 1 && passes_ >= newton_iterations &&
-        free_energy(gravity).total() <=
-            start_energy_ + slack + dt * constraint_force_.dot(free_velocity_))
-      return true;
-    if (passes_ >= most_passes) break;
-    if (passes_ == 1 && !ahead) {
-      predict_tension(pose_, twist_, scratch_, part, true);
-      if (part < 1) {
-        free_velocity_ *= part;
-        move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-      }
-    }
-    assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-    if (!factor()) break;
-    matrix_.solve(Eigen::Ref<VecX>(rhs_));
-    scratch_ = dt * rhs_;
-    part = std::min(1., turn_limit / largest_turn(free_, scratch_));
-    add_correction(dt, part);
+Imbalance Rod::imbalance(const Dofs& force) const {
+  Imbalance worst;
+  const Real everywhere = *std::max_element(at_work_.begin(), at_work_.end());
+  for (Index i = 0; i < nodes(); ++i) {
+    if (std::find(clamped_.begin(), clamped_.end(), i) != clamped_.end()) continue;
+    const Vec6 r = missing_.segment<6>(6 * i) / dt_ + force.segment<6>(6 * i);
+    const Real length = elements_[std::min(i, beams() - 1)].length;
+    const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / length);
+    const Real scale = at_work_[i] + force.segment<3>(6 * i).norm() + negligible * everywhere;
+    if (!(size <= worst.force)) worst.force = size;
+    const Real relative = scale > 0 ? size / scale : 0;
+    if (!(relative <= worst.relative)) worst.relative = relative;
   }
-  return descend(dt, gravity);
+  return worst;
 }
 
-/// The potential whose minimum is the step of implicit Euler: potential energy plus half the
-/// squared difference, in the norm of the mass, to the velocity that inertia alone would keep.
-/// Weight is in the potential energy.
-Real Rod::incremental_potential(Real dt, const Vec3& gravity) {
-  Real sum = spring_energy(free_) + guide_energy() - dt * constraint_force_.dot(free_velocity_);
-  ElementState s;
-  scratch_ = free_velocity_ - velocity_;
-  for (Index e = 0; e < beams(); ++e) {
-    evaluate(elements_[e], free_[e], free_[e + 1], free_twist_[e], s);
-    sum += beam_energy(e, s, free_, scratch_, gravity);
+void Rod::end_step() {
+  for (NodeSpring& spring : springs_)
+    if (spring.active) spring.applied = spring_wrench(spring);
+  in_step_ = false;
+}
+
+Index Rod::advance(Real dt, const Vec3& gravity, const Dofs& force, Real tolerance) {
+  constexpr Index most = 100;
+  begin_step(dt, gravity);
+  Index passes = 0;
+  while (passes < most && free_motion()) {
+    correct(force);
+    ++passes;
+    if (!(imbalance(force).relative > tolerance)) break;
   }
-  return sum;
-}
-
-/// correction_ <- the Newton correction of the free motion, `turn` the largest turn (rad) that it
-/// asks of a beam.
-bool Rod::find_correction(Real dt, const Vec3& gravity, Real& turn) {
-  ++passes_;
-  assemble_at(dt, gravity, free_, free_twist_, free_velocity_, false);
-  apply_guides(dt);
-  if (!factor()) return false;
-  matrix_.solve(Eigen::Ref<VecX>(rhs_));
-  correction_ = rhs_;
-  before_velocity_ = free_velocity_;
-  scratch_ = dt * correction_;
-  turn = largest_turn(free_, scratch_);
-  predict_tension(free_, free_twist_, scratch_, std::min(1., turn_limit / turn), false);
-  return true;
-}
-
-void Rod::take_correction(Real dt, Real part) {
-  free_velocity_ = before_velocity_ + part * correction_;
-  move(pose_, twist_, free_velocity_, dt, free_, free_twist_);
-}
-
-/// The largest part of the correction, halved from at most `turn_limit`, that lowers the
-/// incremental potential; none may. Returns the potential then.
-Real Rod::take_shortened(Real dt, const Vec3& gravity, Real turn, Real value) {
-  Real part = std::min(1., turn_limit / turn);
-  for (int cut = 0; cut < 20; ++cut, part /= 2) {
-    take_correction(dt, part);
-    const Real next = incremental_potential(dt, gravity);
-    if (next < value) return next;
-  }
-  take_correction(dt, 0);
-  return value;
-}
-
-// Newton from where the step began, each correction shortened until the incremental potential
-// falls. It may stop short of the minimum, which only slows the motion; the velocity carried on is
-// then cut to what the energy balance leaves. So no start and no step size makes energy grow.
-bool Rod::descend(Real dt, const Vec3& gravity) {
-  free_velocity_.setZero();
-  free_ = pose_;
-  free_twist_ = twist_;
-  ElementState s;
-  for (Index e = 0; e < beams(); ++e) {
-    element_state(e, s);
-    tension_[e] = s.tension;
-  }
-  constexpr int most = 12;
-  Real value = incremental_potential(dt, gravity), turn = 0;
-  for (int i = 0; i < most; ++i) {
-    if (!find_correction(dt, gravity, turn)) return false;
-    const Real next = take_shortened(dt, gravity, turn, value);
-    if (i == 0)
-      stuck_ = !(next < value || turn < 1e-6);  // at rest already if the correction is nothing
-    if (value - next < 1e-6 * std::abs(value)) break;
-    value = next;
-  }
-  const Energy end = free_energy(gravity);
-  const Real left = start_energy_ + dt * constraint_force_.dot(free_velocity_) - end.potential;
-  if (end.kinetic > left) keep_ = std::sqrt(std::max(left, 0.) / end.kinetic);
-  return true;
+  const bool balanced = imbalance(force).relative <= tolerance;
+  end_step();
+  return balanced ? passes : 0;
 }
 
 }  // namespace sutura::thread

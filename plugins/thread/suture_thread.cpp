@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "sutura/archive.h"
 
@@ -24,6 +25,10 @@ void SutureThread::initialise(Setup& setup) {
             .thread_direction = thread_direction,
             .thread_bend_radius = thread_bend_radius,
             .thread_rest_curvature = thread_rest_curvature};
+}
+
+/// Every grasper has said where it holds.
+void SutureThread::ready(Setup&) {
   build();
 }
 
@@ -94,7 +99,6 @@ void SutureThread::lay_out(std::vector<Real> nodes) {
     layout.sections.push_back(section((layout.abscissa[e] + layout.abscissa[e + 1]) / 2));
   rod_.damping_mass = damping_mass;
   rod_.damping_stiffness = damping_stiffness;
-  rod_.newton_iterations = newton_iterations;
   rod_.build(layout);
   if (clamp == Clamp::start || clamp == Clamp::both) rod_.clamp(0);
   if (clamp == Clamp::end || clamp == Clamp::both) rod_.clamp(rod_.nodes() - 1);
@@ -120,14 +124,26 @@ void SutureThread::build() {
   }
 }
 
-void SutureThread::free_motion(const StepContext& context) {
-  dt_ = context.dt;
-  factored_ = rod_.free_motion(context.dt, context.gravity);
+void SutureThread::begin_step(const StepContext& context) {
+  factored_ = true;
+  rod_.begin_step(context.dt, context.gravity);
 }
 
-void SutureThread::correct(const StepContext& context, const VecX& force) {
-  if (!factored_) return;
-  rod_.correct(context.dt, force);
+void SutureThread::free_motion(const StepContext&) {
+  factored_ = rod_.free_motion();
+}
+
+void SutureThread::correct(const StepContext&, const VecX& force) {
+  if (factored_) rod_.correct(force);
+}
+
+Imbalance SutureThread::imbalance(const StepContext&, const VecX& force) {
+  constexpr Real none = std::numeric_limits<Real>::infinity();
+  return factored_ ? rod_.imbalance(force) : Imbalance{none, none};
+}
+
+void SutureThread::end_step(const StepContext&, const VecX&) {
+  rod_.end_step();
   if (sampling_angle > 0) resample();
 }
 
@@ -138,19 +154,8 @@ void SutureThread::resample() {
       [&](Real s) { return section(s); });
 }
 
-/// After free motion: where the linear answer puts it, not the curve through the free poses.
-/// Without its constraints a taut thread may turn by a radian in a step that, held, turns it by a
-/// hundredth; rows answer linearly, so d_free has to be on the same tangent.
 Vec3 SutureThread::point(Real s, Configuration c) const {
-  if (c != Configuration::free) return curve_point(rod_, s, c);
-  PointJacobian J;
-  curve_jacobian(rod_, s, Configuration::free, J);
-  Vec3 point = curve_point(rod_, s, Configuration::free);
-  for (int k = 0; k < J.nodes; ++k) {
-    point += dt_ * J.coefficients.middleCols<6>(6 * k) *
-             rod_.free_correction().segment<6>(6 * J.node[k]);
-  }
-  return point;
+  return curve_point(rod_, s, c);
 }
 
 Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
@@ -158,7 +163,7 @@ Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
 }
 
 void SutureThread::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
-  curve_jacobian(rod_, p.weights[0], Configuration::free, out);
+  curve_jacobian(rod_, p.weights[0], Configuration::current, out);
 }
 
 void SutureThread::solve(Eigen::Ref<MatX> columns) const {
@@ -181,17 +186,7 @@ bool SutureThread::chain_compliance(const BodyRows& rows, Real dt, ChainComplian
 
 std::string SutureThread::trouble() const {
   if (!rod_.finite()) return "the state is no longer finite";
-  if (!factored_)
-    return "the matrix of the step is not positive definite; the thread stays where it is";
-  if (rod_.stuck())
-    return "no motion within this step loses energy, loads are too large for it; the thread stays "
-           "where it is";
-  if (rod_.excess_turn() > 1)
-    return "constraints turn a beam by more than " +
-           std::to_string(std::lround(rod_.excess_turn())) +
-           " rad in one step, the step was cut short: the beams are too long for so soft a thread "
-           "(see sampling_angle, "
-           "thread_beams), or the step is";
+  if (!factored_) return "the matrix of the step is not positive definite";
   return {};
 }
 
@@ -208,7 +203,6 @@ EmbeddedPoint SutureThread::embed(Real s) const {
 
 Index SutureThread::add_hold(Real s) {
   holds_.push_back(std::clamp(s, 0., length()));
-  build();
   return static_cast<Index>(holds_.size()) - 1;
 }
 

@@ -30,17 +30,23 @@ class SutureThread : public Component, public CurveBody {
   static void describe(Describe<SutureThread>& d);
 
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
   void archive(Archive& archive) override;
 
   // Body
   Index dofs() const override { return rod_.dofs(); }
   int width() const override { return 6; }
+  void begin_step(const StepContext& context) override;
   void free_motion(const StepContext& context) override;
+  Eigen::Ref<const VecX> free_change() const override { return rod_.free_change(); }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
   bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const override;
   void correct(const StepContext& context, const VecX& force) override;
+  Imbalance imbalance(const StepContext& context, const VecX& force) override;
+  Index least_passes() const override { return newton_iterations; }
+  void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override { return rod_.momentum(); }
   Real mass() const override { return rod_.mass(); }
   Real energy() const override { return rod_.kinetic_energy() + rod_.elastic_energy(); }
@@ -60,7 +66,6 @@ class SutureThread : public Component, public CurveBody {
                         Configuration c) const override {
     return curve_closest(rod_, p, guess, low, high, c);
   }
-  void expect(const Guide& guide) override { rod_.guides().push_back(guide); }
   Index add_hold(Real s) override;
   void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
   void release_hold(Index hold) override;
@@ -83,7 +88,6 @@ class SutureThread : public Component, public CurveBody {
   SamplingWork sampling_work_;
   std::vector<Real> holds_;  ///< abscissae
   bool factored_ = true;
-  Real dt_ = 0;
 };
 
 }  // namespace sutura::thread

@@ -45,6 +45,7 @@ class Candidates {
   std::shared_ptr<const NodePattern> pattern_;
   std::vector<char> fixed_;
   std::vector<char> is_chosen_;
+  std::vector<char> is_touched_;  ///< while choosing
   std::vector<Index> chosen_;
   std::vector<Index> touched_at_;  ///< per node, step of the last touch
   bool outgrown_ = false;

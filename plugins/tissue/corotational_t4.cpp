@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "strain.h"
+#include "twist_stiffness.h"
 
 namespace sutura {
 CorotationalT4::CorotationalT4(const std::vector<Vec3>& rest, const std::vector<Tet>& tets) {
@@ -73,50 +74,66 @@ void CorotationalT4::deformation_gradient(const Pack& p, const VecX& x, Lanes (&
   }
 }
 
+/// Rotation, strain and turned gradients of a pack; takes its elastic force into `force`.
+void CorotationalT4::stress(const Pack& p, const VecX& x, Stressed& s, VecX& force) const {
+  Small3<Lanes> F;
+  {
+    Lanes f[9];
+    deformation_gradient(p, x, f);
+    std::copy_n(f, 9, F.begin());
+  }
+  const Small3<Lanes>& R = s.R;
+  rotations(F, s.R);
+  biot_strain(F, R, s.E);
+  const Lanes(&E)[6] = s.E;
+
+  // First Piola-Kirchhoff stress times volume: P = R (2 mu E + lambda tr E I).
+  const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
+  const Lanes two_mu = 2.0 * p.mu;
+  const Lanes T[9] = {two_mu * E[0] + pressure, two_mu * E[3], two_mu * E[4], two_mu * E[3],
+                      two_mu * E[1] + pressure, two_mu * E[5], two_mu * E[4], two_mu * E[5],
+                      two_mu * E[2] + pressure};
+  Lanes t[4][3];  // forces, t = R T G
+  for (int i = 0; i < 3; ++i) s.g[0][i] = t[0][i] = Lanes{};
+  for (int c = 1; c < 4; ++c) {
+    const Lanes* G = p.gradient[c - 1];
+    Lanes TG[3];
+    for (int i = 0; i < 3; ++i) TG[i] = T[3 * i] * G[0] + T[3 * i + 1] * G[1] + T[3 * i + 2] * G[2];
+    for (int i = 0; i < 3; ++i) {
+      s.g[c][i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
+      t[c][i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
+      s.g[0][i] -= s.g[c][i];
+      t[0][i] -= t[c][i];
+    }
+  }
+  for (int c = 0; c < 4; ++c)
+    for (int k = 0; k < lanes; ++k) {
+      Real* at = force.data() + 3 * static_cast<Index>(p.node[c][k]);
+      for (int i = 0; i < 3; ++i) at[i] -= t[c][i][k];
+    }
+}
+
+void CorotationalT4::add_force(const VecX& x, VecX& force) const {
+  Stressed s;
+  for (const Pack& p : packs_) stress(p, x, s, force);
+}
+
 void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) {
   Real* const values = A.values();
+  Stressed s;
   for (const Pack& p : packs_) {
-    Small3<Lanes> F, R;
-    {
-      Lanes f[9];
-      deformation_gradient(p, x, f);
-      std::copy_n(f, 9, F.begin());
-    }
-    rotations(F, R);
-    Lanes E[6];
-    biot_strain(F, R, E);
+    stress(p, x, s, force);
+    const auto& g = s.g;
+    Lanes twist[6];
+    twist_stiffness(s.E, p.mu, p.lambda, twist);
+    turn_symmetric(s.R.data(), twist);
+    for (Lanes& t : twist) t *= 0.5 * scale;
 
-    // First Piola-Kirchhoff stress times volume: P = R (2 mu E + lambda tr E I).
-    const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
-    const Lanes two_mu = 2.0 * p.mu;
-    const Lanes T[9] = {two_mu * E[0] + pressure, two_mu * E[3], two_mu * E[4], two_mu * E[3],
-                        two_mu * E[1] + pressure, two_mu * E[5], two_mu * E[4], two_mu * E[5],
-                        two_mu * E[2] + pressure};
-    Lanes g[4][3], t[4][3];  // gradients and forces, in the turned frame g = R G and t = R T G
-    for (int i = 0; i < 3; ++i) g[0][i] = t[0][i] = Lanes{};
-    for (int c = 1; c < 4; ++c) {
-      const Lanes* G = p.gradient[c - 1];
-      Lanes TG[3];
-      for (int i = 0; i < 3; ++i)
-        TG[i] = T[3 * i] * G[0] + T[3 * i + 1] * G[1] + T[3 * i + 2] * G[2];
-      for (int i = 0; i < 3; ++i) {
-        g[c][i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
-        t[c][i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
-        g[0][i] -= g[c][i];
-        t[0][i] -= t[c][i];
-      }
-    }
-    for (int c = 0; c < 4; ++c)
-      for (int k = 0; k < lanes; ++k) {
-        Real* at = force.data() + 3 * static_cast<Index>(p.node[c][k]);
-        for (int i = 0; i < 3; ++i) at[i] -= t[c][i][k];
-      }
-
-    // K_ab = V (lambda g_a g_b^T + mu g_b g_a^T + mu g_a . g_b I)
+    // K_ab = V (lambda g_a g_b^T + mu g_b g_a^T + mu g_a . g_b I), and twist
     const Lanes mu = scale * p.mu, lambda = scale * p.lambda;
-    int s = 0;
+    int pair = 0;
     for (int a = 0; a < 4; ++a)
-      for (int b = a; b < 4; ++b, ++s) {
+      for (int b = a; b < 4; ++b, ++pair) {
         Lanes K[9];
         const Lanes shear = mu * (g[a][0] * g[b][0] + g[a][1] * g[b][1] + g[a][2] * g[b][2]);
         if (a == b) {  // symmetric to the last bit
@@ -129,8 +146,9 @@ void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& f
               K[3 * i + j] = lambda * g[a][i] * g[b][j] + mu * g[b][i] * g[a][j];
         }
         for (int i = 0; i < 3; ++i) K[4 * i] += shear;
+        add_twist(twist, g[a], g[b], K);
         for (int k = 0; k < lanes; ++k) {
-          Real* block = values + 9 * static_cast<Index>(p.slot[s][k]);
+          Real* block = values + 9 * static_cast<Index>(p.slot[pair][k]);
           for (int i = 0; i < 9; ++i) block[i] += K[i][k];
         }
       }

@@ -7,6 +7,7 @@
 #include "elastic_model.h"
 #include "lanes.h"
 #include "mesh_data.h"
+#include "rotation.h"
 
 namespace sutura {
 
@@ -17,9 +18,10 @@ class CorotationalT4 final : public ElasticModel {
   std::vector<std::array<Index, 2>> pairs() const override;
   void bind(const NodePattern& pattern) override;
   void set_materials(const std::vector<Material>& per_tet) override;
-  /// K is that of the linear element turned by R (the rotation is held while differentiating): the
-  /// exact derivative where S = I, positive semidefinite everywhere.
+  /// K is the exact derivative where nothing is compressed, and positive semidefinite everywhere
+  /// (twist_stiffness.h).
   void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) override;
+  void add_force(const VecX& x, VecX& force) const override;
   Real energy(const VecX& x) const override;
 
  private:
@@ -32,7 +34,14 @@ class CorotationalT4 final : public ElasticModel {
     std::int32_t node[4][lanes];
     std::int32_t slot[10][lanes];  ///< blocks 00 01 02 03 11 12 13 22 23 33
   };
+  /// What forces and tangent of four tets are made of.
+  struct Stressed {
+    Small3<Lanes> R;
+    Lanes E[6];
+    Lanes g[4][3];  ///< gradients of the nodes, turned by R (1/m)
+  };
   void deformation_gradient(const Pack& p, const VecX& x, Lanes (&F)[9]) const;
+  void stress(const Pack& p, const VecX& x, Stressed& s, VecX& force) const;
 
   std::vector<Pack> packs_;
   std::vector<std::array<Index, 4>> sorted_;  ///< nodes of each tet, ascending

@@ -83,7 +83,7 @@ void SynchronousSolver::archive(Archive& a) {
 
 NodeCompliance SynchronousSolver::compliance() const {
   if (!ok_ || tail_nodes(*plan_).empty()) return {};
-  if (!has_tail_) tail_ = factor_->tail_compliance();
+  if (!has_tail_) factor_->tail_compliance(tail_);
   has_tail_ = true;
   return {&tail_, place_, {}};
 }

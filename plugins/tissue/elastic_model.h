@@ -34,6 +34,8 @@ class ElasticModel {
   /// force += -dE/dx (N); A += scale * K for every block, fixed nodes included (the solver masks
   /// them: reactions need their rows).
   virtual void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) = 0;
+  /// force += -dE/dx (N), alone.
+  virtual void add_force(const VecX& x, VecX& force) const = 0;
   /// Elastic energy (J).
   virtual Real energy(const VecX& x) const = 0;
 };

@@ -159,9 +159,10 @@ class CholmodFactor : public Factor {
         columns);
   }
 
-  MatX tail_compliance() const override {
-    const Index tail = 3 * static_cast<Index>(plan_->tail.size());
-    if (tail == 0 || !ready_) return {};
+  void tail_compliance(MatX& C) const override {
+    const Index tail = ready_ ? 3 * static_cast<Index>(plan_->tail.size()) : 0;
+    C.resize(tail, tail);
+    if (tail == 0) return;
     // Supernode s holds columns super[s] .. super[s+1] of L; its rows are s[pi[s]] .. , its numbers
     // are dense from px[s], leading dimension the number of rows.
     const Index first = plan_->size() - tail;
@@ -170,26 +171,24 @@ class CholmodFactor : public Factor {
     const auto* px = static_cast<const int*>(L_->px);
     const auto* rows = static_cast<const int*>(L_->s);
     const auto* x = static_cast<const Real*>(L_->x);
-    MatX lower = MatX::Zero(tail, tail);
+    lower_.setZero(tail, tail);
     for (std::size_t s = 0; s < L_->nsuper; ++s) {
       const int height = pi[s + 1] - pi[s];
       for (int c = super[s]; c < super[s + 1]; ++c) {
         if (c < first) continue;
         for (int k = c - super[s]; k < height; ++k)
-          lower(rows[pi[s] + k] - first, c - first) =
+          lower_(rows[pi[s] + k] - first, c - first) =
               x[px[s] + k + static_cast<Index>(c - super[s]) * height];
       }
     }
-    const MatX inverse = inverse_of_product(lower);
+    inverse_of_product(lower_, inverse_, product_);
     // CHOLMOD's own order of the tail -> ours.
     const auto* perm = static_cast<const int*>(L_->Perm);
-    MatX C(tail, tail);
     for (Index c = 0; c < tail; ++c)
       for (Index r = 0; r < tail; ++r) {
         assert(perm[first + r] >= first);
-        C(perm[first + r] - first, perm[first + c] - first) = inverse(r, c);
+        C(perm[first + r] - first, perm[first + c] - first) = product_(r, c);
       }
-    return C;
   }
 
  private:
@@ -255,7 +254,7 @@ class CholmodFactor : public Factor {
   mutable cholmod_dense* y_ = nullptr;
   mutable cholmod_dense* e_ = nullptr;
   bool ready_ = false;
-  mutable MatX work_;
+  mutable MatX work_, lower_, inverse_, product_;
   bool keep_rough_ = false;
   std::vector<float> rough_L_;        ///< L_->x in single precision
   std::vector<std::int32_t> row_of_;  ///< position in L -> row of the full vector

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "strain.h"
+#include "twist_stiffness.h"
 
 namespace sutura {
 
@@ -178,58 +179,73 @@ void SmoothedT4::deformation_gradient(const Domains& d, const Pack& p, const Vec
 }
 
 template <bool shear>
+void SmoothedT4::stress(const Domains& d, const Pack& p, const VecX& x, Stressed& s,
+                        VecX& force) const {
+  Small3<Lanes> F;
+  {
+    Lanes f[9];
+    deformation_gradient(d, p, x, f);
+    std::copy_n(f, 9, F.begin());
+  }
+  const Small3<Lanes>& R = s.R;
+  rotations(F, s.R);
+  biot_strain(F, R, s.E);
+  const Lanes(&E)[6] = s.E;
+  const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
+  const Lanes two_mu = 2.0 * p.mu;
+  const auto count = static_cast<std::size_t>(p.count);
+  if (s.turned.size() < count) s.turned.resize(count);
+  for (std::size_t a = 0; a < count; ++a) {
+    const Lanes* G = d.gradients[p.gradient + a].at;
+    Lanes* g = s.turned[a].at;
+    for (int i = 0; i < 3; ++i) g[i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
+    Lanes t[3];  // R T G, T the stress times volume
+    if constexpr (shear) {
+      const Lanes TG[3] = {
+          (two_mu * E[0] + pressure) * G[0] + two_mu * (E[3] * G[1] + E[4] * G[2]),
+          (two_mu * E[1] + pressure) * G[1] + two_mu * (E[3] * G[0] + E[5] * G[2]),
+          (two_mu * E[2] + pressure) * G[2] + two_mu * (E[4] * G[0] + E[5] * G[1])};
+      for (int i = 0; i < 3; ++i) t[i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
+    } else {
+      for (int i = 0; i < 3; ++i) t[i] = pressure * g[i];
+    }
+    const std::int32_t* node = &d.nodes[p.node + lanes * a];
+    for (int k = 0; k < lanes; ++k) {
+      Real* at = force.data() + 3 * static_cast<Index>(node[k]);
+      for (int i = 0; i < 3; ++i) at[i] -= t[i][k];
+    }
+  }
+}
+
+void SmoothedT4::add_force(const VecX& x, VecX& force) const {
+  for (const Pack& p : edges_.packs) stress<true>(edges_, p, x, work_, force);
+  for (const Pack& p : nodes_.packs) stress<false>(nodes_, p, x, work_, force);
+}
+
+template <bool shear>
 void SmoothedT4::add(const Domains& d, const VecX& x, Real scale, NodeMatrix& A, VecX& force) {
   Real* const values = A.values();
   for (const Pack& p : d.packs) {
-    Small3<Lanes> F, R;
-    {
-      Lanes f[9];
-      deformation_gradient(d, p, x, f);
-      std::copy_n(f, 9, F.begin());
-    }
-    rotations(F, R);
-    Lanes E[6];
-    biot_strain(F, R, E);
-    const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
-    const Lanes two_mu = 2.0 * p.mu;
+    stress<shear>(d, p, x, work_, force);
+    const Turned& turned = work_.turned;
     const auto count = static_cast<std::size_t>(p.count);
-    if (turned_.size() < count) {
-      turned_.resize(count);
-      traction_.resize(count);
-    }
-    for (std::size_t a = 0; a < count; ++a) {
-      const Lanes* G = d.gradients[p.gradient + a].at;
-      Lanes* g = turned_[a].at;
-      for (int i = 0; i < 3; ++i) g[i] = R[i] * G[0] + R[3 + i] * G[1] + R[6 + i] * G[2];
-      Lanes t[3];  // R T G, T the stress times volume
-      if constexpr (shear) {
-        const Lanes TG[3] = {
-            (two_mu * E[0] + pressure) * G[0] + two_mu * (E[3] * G[1] + E[4] * G[2]),
-            (two_mu * E[1] + pressure) * G[1] + two_mu * (E[3] * G[0] + E[5] * G[2]),
-            (two_mu * E[2] + pressure) * G[2] + two_mu * (E[4] * G[0] + E[5] * G[1])};
-        for (int i = 0; i < 3; ++i) t[i] = R[i] * TG[0] + R[3 + i] * TG[1] + R[6 + i] * TG[2];
-      } else {
-        for (int i = 0; i < 3; ++i) t[i] = pressure * g[i];
-      }
-      const std::int32_t* node = &d.nodes[p.node + lanes * a];
-      for (int k = 0; k < lanes; ++k) {
-        Real* at = force.data() + 3 * static_cast<Index>(node[k]);
-        for (int i = 0; i < 3; ++i) at[i] -= t[i][k];
-      }
-    }
+    Lanes twist[6];
+    twist_stiffness(work_.E, p.mu, p.lambda, twist);
+    turn_symmetric(work_.R.data(), twist);
+    for (Lanes& t : twist) t *= 0.5 * scale;
 
-    // K_ab = V (lambda g_a g_b^T + mu g_b g_a^T + mu g_a . g_b I)
+    // K_ab = V (lambda g_a g_b^T + mu g_b g_a^T + mu g_a . g_b I), and twist
     const Lanes mu = scale * p.mu, lambda = scale * p.lambda;
     const std::int32_t* slot = &d.slots[p.slot];
     for (std::size_t a = 0; a < count; ++a) {
-      const Lanes* ga = turned_[a].at;
+      const Lanes* ga = turned[a].at;
       Lanes la[3], ma[3];
       for (int i = 0; i < 3; ++i) {
         la[i] = lambda * ga[i];
         ma[i] = mu * ga[i];
       }
       for (std::size_t b = a; b < count; ++b, slot += lanes) {
-        const Lanes* gb = turned_[b].at;
+        const Lanes* gb = turned[b].at;
         Lanes K[9];
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j) {
@@ -240,6 +256,7 @@ void SmoothedT4::add(const Domains& d, const VecX& x, Real scale, NodeMatrix& A,
           const Lanes dot = ma[0] * gb[0] + ma[1] * gb[1] + ma[2] * gb[2];
           for (int i = 0; i < 3; ++i) K[4 * i] += dot;
         }
+        add_twist(twist, ga, gb, K);
         for (int k = 0; k < lanes; ++k) {
           Real* block = values + 9 * static_cast<Index>(slot[k]);
           for (int i = 0; i < 9; ++i) block[i] += K[i][k];

@@ -15,6 +15,7 @@
 #include "elastic_model.h"
 #include "lanes.h"
 #include "mesh_data.h"
+#include "rotation.h"
 
 namespace sutura {
 
@@ -27,6 +28,7 @@ class SmoothedT4 final : public ElasticModel {
   /// Averages are taken within one material: layers do not smear into each other.
   void set_materials(const std::vector<Material>& per_tet) override;
   void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) override;
+  void add_force(const VecX& x, VecX& force) const override;
   Real energy(const VecX& x) const override;
 
   struct Gradient {
@@ -58,6 +60,15 @@ class SmoothedT4 final : public ElasticModel {
                        bool shear) const;
   void find_slots(Domains& d) const;
   void deformation_gradient(const Domains& d, const Pack& p, const VecX& x, Lanes (&F)[9]) const;
+  /// Work space of one pack: its gradients turned by R.
+  using Turned = std::vector<Gradient>;
+  struct Stressed {
+    Small3<Lanes> R;
+    Lanes E[6];
+    Turned turned;
+  };
+  template <bool shear>
+  void stress(const Domains& d, const Pack& p, const VecX& x, Stressed& s, VecX& force) const;
   template <bool shear>
   void add(const Domains& d, const VecX& x, Real scale, NodeMatrix& A, VecX& force);
 
@@ -67,7 +78,7 @@ class SmoothedT4 final : public ElasticModel {
   std::vector<Eigen::Matrix<Real, 3, 4>> gradient_;  ///< of the shape functions, per tet (1/m)
   const NodePattern* pattern_ = nullptr;
   Domains edges_, nodes_;
-  std::vector<Gradient> turned_, traction_;  ///< work space of `add`
+  mutable Stressed work_;
 };
 
 }  // namespace sutura

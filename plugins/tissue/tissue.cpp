@@ -8,9 +8,7 @@
 namespace sutura {
 
 void Tissue::describe(Describe<Tissue>& d) {
-  d.summary(
-      "Soft tissue: corotational tetrahedra, lumped mass, implicit Euler with one linearisation "
-      "per step.");
+  d.summary("Soft tissue: corotational tetrahedra, lumped mass, implicit Euler.");
   d.attribute("young", &Tissue::young, "Pa", above(0),
               "Young modulus, where no Layer says otherwise.");
   d.attribute("poisson", &Tissue::poisson, "1", strictly_between(-1, 0.5),
@@ -24,9 +22,9 @@ void Tissue::describe(Describe<Tissue>& d) {
               "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged "
               "over edges "
               "and nodes, accurate there at three to four times the cost.");
-  d.attribute(
-      "iterations", &Tissue::iterations, at_least(1),
-      "Linearisations per step, at least; a step whose motion would gain energy takes up to five.");
+  d.attribute("iterations", &Tissue::iterations, at_least(1),
+              "Passes of the step, at least (docs/step.md); more follow where the tolerance asks "
+              "for them.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.")
       .optional();
@@ -56,8 +54,8 @@ void Tissue::initialise(Setup&) {
   const Index n = static_cast<Index>(data.points.size());
   rest_.resize(3 * n);
   for (Index i = 0; i < n; ++i) rest_.segment<3>(3 * i) = data.points[i];
-  x_ = x_free_ = rest_;
-  v_ = v_free_ = elastic_force_ = residual_ = constraint_force_ = reaction_ = VecX::Zero(3 * n);
+  x_ = start_x_ = linearised_at_ = rest_;
+  v_ = start_v_ = free_change_ = elastic_force_ = missing_ = reaction_ = VecX::Zero(3 * n);
   fixed_.assign(data.points.size(), 0);
   for (const Tet& t : data.tets)
     for (int a = 0; a < 4; ++a)
@@ -75,9 +73,7 @@ void Tissue::initialise(Setup&) {
   const auto topology =
       std::make_shared<const SolidTopology>(data.points, data.tets, mesh->boundary());
   queries_.assign(3, SolidQueries(topology));
-  queries_[0].move(rest_);
-  queries_[1].move(x_);
-  queries_[2].move(x_free_);
+  for (SolidQueries& q : queries_) q.move(rest_);
 
   own_solver_ = solver ? nullptr : make_direct_solver();
   solver_ = solver ? solver.get() : own_solver_.get();
@@ -92,13 +88,11 @@ void Tissue::archive(Archive& a) {
   const Index size = dofs();
   a("positions", x_);
   a("velocities", v_);
-  a("constraint_force", constraint_force_);
   a("reaction", reaction_);
   a("linearisations", linearisations_);
   if (own_solver_) own_solver_->archive(a);
   if (!a.restoring() || !a.ok()) return;
-  if (x_.size() != size || v_.size() != size || constraint_force_.size() != size ||
-      reaction_.size() != size)
+  if (x_.size() != size || v_.size() != size || reaction_.size() != size)
     return a.fail("the state of another mesh");
   set_state(x_, v_);
 }
@@ -128,7 +122,6 @@ void Tissue::update_materials() {
 
 void Tissue::fix(const std::vector<Index>& nodes) {
   for (const Index i : nodes) fixed_[i] = 1;
-  any_fixed_ = any_fixed_ || !nodes.empty();
 }
 
 Vec3 Tissue::position(const EmbeddedPoint& p, Configuration c) const {

@@ -61,13 +61,17 @@ class Tissue : public Component, public SolidBody {
   // Body
   Index dofs() const override { return x_.size(); }
   int width() const override { return 3; }
+  void begin_step(const StepContext& context) override;
   void free_motion(const StepContext& context) override;
+  Eigen::Ref<const VecX> free_change() const override { return free_change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
-  bool compliance_is_exact() const override { return solver_->compliance_is_exact(); }
   void correct(const StepContext& context, const VecX& force) override;
+  Imbalance imbalance(const StepContext& context, const VecX& force) override;
+  Index least_passes() const override { return iterations; }
+  void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override;
   Real mass() const override;
   Real energy() const override;
@@ -91,8 +95,9 @@ class Tissue : public Component, public SolidBody {
   }
   void update_materials();
   void linearise(const StepContext& context);
-  void add_constraint_motion(Real h);
-  bool gains_energy(const StepContext& context, bool pushed);
+  void balance(const StepContext& context);
+  Real moved_since_linearised() const;
+  void move_queries(Configuration c, const VecX& x);
   void update_node_rotations();
 
   // Input, after the layers have spoken.
@@ -100,18 +105,21 @@ class Tissue : public Component, public SolidBody {
   std::vector<Material> tet_material_;
   std::vector<Real> mass_;   ///< lumped, per node (kg)
   std::vector<char> fixed_;  ///< per node
-  bool any_fixed_ = false;
-  Real edge_length_ = 0;  ///< mean, at rest (m)
+  Real edge_length_ = 0;     ///< mean, at rest (m)
 
-  // State.
+  // State; during a step, the guess of its end.
   VecX x_, v_;
 
+  // The step: where it began, and what is known at the guess.
+  bool in_step_ = false;
+  VecX start_x_, start_v_;
+  VecX elastic_force_;  ///< N
+  VecX missing_;        ///< momentum due there, without constraint forces and reactions (N s)
+  VecX linearised_at_;  ///< positions at which A_ was made
+  VecX free_change_;    ///< of the velocity, to the free motion (m/s)
+
   // Caches.
-  VecX rest_, x_free_, v_free_;
-  VecX guess_;             ///< velocity about which the step was linearised (m/s)
-  VecX elastic_force_;     ///< there (N)
-  VecX residual_;          ///< momentum missing there, without constraints and reactions (N s)
-  VecX constraint_force_;  ///< of the last step (N)
+  VecX rest_;
   VecX rhs_, product_, reaction_;
   Index linearisations_ = 0;    ///< in the last step
   std::string solver_trouble_;  ///< in all of them but the last, which the solver still knows
@@ -120,7 +128,7 @@ class Tissue : public Component, public SolidBody {
   std::unique_ptr<TissueSolver> own_solver_;
   TissueSolver* solver_ = nullptr;
   std::vector<Mat3> node_rotations_;
-  std::vector<SolidQueries> queries_;  ///< rest, current, free
+  std::vector<SolidQueries> queries_;  ///< rest, start, current
 };
 
 }  // namespace sutura

@@ -1,8 +1,7 @@
 // The motion of a tissue in a step: implicit Euler,
-//   M (v_new - v) = h (f(x + h v_new) + M g - B v_new + p),   B = alpha M + beta K,
-// f elastic, p constraint forces, linearised about a motion with velocity u (at first u = 0: the
-// start of the step), so that with A = M + h B + h^2 K at x + h u
-//   A (v_new - u) = r + h p,   r = M (v - u) + h (f(x + h u) + M g - B u).
+//   M (v - v_start) = h (f(x_start + h v) + M g - B v + p),   B = alpha M + beta K,
+// f elastic, p constraint forces. At a guess v, with A = M + h B + h^2 K,
+//   A dv = r + h p,   r = M (v_start - v) + h (f(x) + M g - B v).
 #include <cassert>
 #include <cmath>
 
@@ -10,9 +9,6 @@
 #include "tissue.h"
 
 namespace sutura {
-
-/// Linearisations of a step whose motion would otherwise gain energy.
-constexpr Index most_linearisations = 5;
 
 std::string Tissue::trouble() const {
   std::string text;
@@ -22,9 +18,6 @@ std::string Tissue::trouble() const {
   };
   add(solver_trouble_);
   add(solver_->report().message);
-  if (linearisations_ > iterations)
-    add("a motion too large for the step took " + std::to_string(linearisations_) +
-        " linearisations");
   if (!finite()) {
     add("the state is no longer finite");
   } else if (const Index n = inverted(); n > 0) {
@@ -33,96 +26,80 @@ std::string Tissue::trouble() const {
   return text;
 }
 
-void Tissue::set_state(const VecX& x, const VecX& v) {
-  assert(x.size() == dofs() && v.size() == dofs());
-  x_ = x_free_ = x;
-  v_ = v_free_ = v;
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
-  for (const Configuration c : {Configuration::current, Configuration::free})
-    queries_[static_cast<std::size_t>(c)].move(c == Configuration::current ? x_ : x_free_);
+void Tissue::move_queries(Configuration c, const VecX& x) {
+  queries_[static_cast<std::size_t>(c)].move(x);
 }
 
-/// A and r about the motion u = guess_.
+void Tissue::set_state(const VecX& x, const VecX& v) {
+  assert(x.size() == dofs() && v.size() == dofs());
+  x_ = x;
+  v_ = v;
+  for (std::size_t i = 0; i < fixed_.size(); ++i)
+    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
+  move_queries(Configuration::current, x_);
+}
+
+/// The first guess: on as before.
+void Tissue::begin_step(const StepContext& context) {
+  if (!in_step_) {
+    start_x_ = x_;
+    start_v_ = v_;
+    move_queries(Configuration::start, start_x_);
+    in_step_ = true;
+  }
+  v_ = start_v_;
+  x_ = start_x_ + context.dt * v_;
+  move_queries(Configuration::current, x_);
+  linearisations_ = 0;
+  solver_trouble_.clear();
+}
+
+/// A and f at the guess.
 void Tissue::linearise(const StepContext& context) {
-  const Real h = context.dt, alpha = damping_mass, beta = damping_stiffness;
+  const Real h = context.dt;
   A_->set_zero();
   elastic_force_.setZero();
-  x_free_ = x_ + h * guess_;
-  elastic_->linearise(x_free_, h * h + h * beta, *A_, elastic_force_);
-  A_->add_diagonal(mass_, 1 + h * alpha);
-
-  // h beta K u = beta / (h + beta) (A u - (1 + h alpha) M u): K itself is never formed.
-  A_->multiply(guess_, product_);
-  const Real share = beta / (h + beta);
-  for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
-    const auto u = guess_.segment<3>(3 * i);
-    residual_.segment<3>(3 * i) =
-        mass_[i] * (v_.segment<3>(3 * i) - u + h * (context.gravity - alpha * u) +
-                    share * (1 + h * alpha) * u) +
-        h * elastic_force_.segment<3>(3 * i) - share * product_.segment<3>(3 * i);
-  }
+  elastic_->linearise(x_, h * h + h * damping_stiffness, *A_, elastic_force_);
+  A_->add_diagonal(mass_, 1 + h * damping_mass);
+  linearised_at_ = x_;
+  if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
+  ++linearisations_;
   if (solver_->wants_rotations()) update_node_rotations();
   solver_->prepare(*A_, node_rotations_, context.step);
 }
 
-/// v_free += A^-1 (h p), p the constraint forces of the last step.
-void Tissue::add_constraint_motion(Real h) {
-  if (constraint_force_.isZero(0)) return;
-  rhs_ = h * constraint_force_;
-  solver_->solve(rhs_);
-  v_free_ += rhs_;
+/// missing_ <- r at the guess, with the elastic force that is known there.
+void Tissue::balance(const StepContext& context) {
+  const Real h = context.dt, alpha = damping_mass, beta = damping_stiffness;
+  // h beta K v = beta / (h + beta) (A v - (1 + h alpha) M v): K itself is never formed.
+  const Real share = beta / (h + beta);
+  product_.setZero(dofs());
+  if (beta > 0) A_->multiply(v_, product_);
+  for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
+    const auto v = v_.segment<3>(3 * i);
+    missing_.segment<3>(3 * i) =
+        mass_[i] * (start_v_.segment<3>(3 * i) - v + h * (context.gravity - alpha * v) +
+                    share * (1 + h * alpha) * v) +
+        h * elastic_force_.segment<3>(3 * i) - share * product_.segment<3>(3 * i);
+  }
 }
 
-/// Implicit Euler loses energy. If the motion gains more than gravity (and the constraint forces,
-/// if it is `pushed`) have put in, the linearisation does not hold: a body flung round by a large
-/// angle in one step. Motion of a small part of an element is not even looked at.
-bool Tissue::gains_energy(const StepContext& context, bool pushed) {
-  const Real h = context.dt;
-  Real farthest = 0, before = 0, after = 0, work = 0;
-  for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
-    const auto v = v_free_.segment<3>(3 * i);
-    farthest = std::max(farthest, h * v.norm());
-    before += 0.5 * mass_[i] * v_.segment<3>(3 * i).squaredNorm();
-    after += 0.5 * mass_[i] * v.squaredNorm();
-    work += h * mass_[i] * context.gravity.dot(v);
-  }
-  if (!(farthest > 0.25 * edge_length_)) return false;
-  if (pushed) work += h * constraint_force_.dot(v_free_);
-  before += elastic_->energy(x_);
-  x_free_ = x_ + h * v_free_;
-  after += elastic_->energy(x_free_);
-  return after > before + work + 1e-9 * (before + std::abs(work));
+Real Tissue::moved_since_linearised() const {
+  Real most = 0;
+  for (Index i = 0; i < dofs(); i += 3)
+    most = std::max(most, (x_.segment<3>(i) - linearised_at_.segment<3>(i)).squaredNorm());
+  return std::sqrt(most);
 }
 
 void Tissue::free_motion(const StepContext& context) {
-  const Real h = context.dt;
-  guess_.setZero(dofs());
-  solver_trouble_.clear();
-  linearise(context);
-  A_->multiply(v_, product_);  // solved for the change of velocity, which is small
-  rhs_ = residual_ - product_;
-  solver_->solve(rhs_);
-  v_free_ = v_ + rhs_;
-  // More linearisations follow the motion under the constraint forces of the last step, which is
-  // nearer to the one that will come; their effect is taken off again at the end.
-  bool pushed = false;
-  for (linearisations_ = 1;
-       linearisations_ < iterations ||
-       (linearisations_ < most_linearisations && gains_energy(context, pushed));
-       ++linearisations_) {
-    if (!pushed) add_constraint_motion(h);
-    pushed = true;
-    guess_ = v_free_;
-    if (solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
+  // A turns with the material: as long as nothing has moved by much of an element it may stay.
+  constexpr Real small = 0.02;  // of the mean edge
+  if (linearisations_ == 0 || !(moved_since_linearised() < small * edge_length_)) {
     linearise(context);
-    rhs_ = residual_ + h * constraint_force_;
-    solver_->solve(rhs_);
-    v_free_ += rhs_;
+    balance(context);
   }
-  if (pushed) add_constraint_motion(-h);
-  x_free_ = x_ + h * v_free_;
-  queries_[static_cast<std::size_t>(Configuration::free)].move(x_free_);
+  free_change_ = missing_;
+  solver_->solve(free_change_);
 }
 
 void Tissue::solve(Eigen::Ref<MatX> columns) const {
@@ -135,23 +112,48 @@ void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) c
 
 void Tissue::correct(const StepContext& context, const VecX& force) {
   const Real h = context.dt;
+  v_ += free_change_;
   if (!force.isZero(0)) {
     rhs_ = h * force;
     solver_->solve(rhs_);
-    v_free_ += rhs_;
+    v_ += rhs_;
   }
-  constraint_force_ = force;
-  if (any_fixed_) {
-    A_->multiply(v_free_ - guess_, product_);
-    for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i)
-      if (fixed_[i])
-        reaction_.segment<3>(3 * i) =
-            (product_.segment<3>(3 * i) - residual_.segment<3>(3 * i)) / h -
-            force.segment<3>(3 * i);
+  x_ = start_x_ + h * v_;
+  move_queries(Configuration::current, x_);
+  elastic_force_.setZero();
+  elastic_->add_force(x_, elastic_force_);
+  balance(context);
+}
+
+Imbalance Tissue::imbalance(const StepContext& context, const VecX& force) {
+  const Real h = context.dt;
+  Imbalance worst;
+  // Sums of squares over the nodes: what is missing, and what is at work.
+  Real missing = 0, pushed = force.squaredNorm(), weight = 0, inertia = 0, reaction = 0;
+  for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
+    const Vec3 r = missing_.segment<3>(3 * i) / h + force.segment<3>(3 * i);
+    if (fixed_[static_cast<std::size_t>(i)]) {
+      reaction += r.squaredNorm();
+      continue;
+    }
+    missing += r.squaredNorm();
+    if (!(r.norm() <= worst.force)) worst.force = r.norm();
+    weight += (mass_[i] * context.gravity).squaredNorm();
+    inertia += (mass_[i] / h * (v_ - start_v_).segment<3>(3 * i)).squaredNorm();
   }
-  v_ = v_free_;
-  x_ += h * v_;
-  queries_[static_cast<std::size_t>(Configuration::current)].move(x_);
+  const Real at_work = std::sqrt(std::max({pushed, weight, inertia, reaction}));
+  const Real rounding = 1e-12 * young * edge_length_ * edge_length_;
+  worst.relative = std::sqrt(missing) / (at_work + rounding);
+  return worst;
+}
+
+void Tissue::end_step(const StepContext& context, const VecX& force) {
+  for (std::size_t i = 0; i < fixed_.size(); ++i) {
+    const auto n = 3 * static_cast<Index>(i);
+    if (fixed_[i])
+      reaction_.segment<3>(n) = -missing_.segment<3>(n) / context.dt - force.segment<3>(n);
+  }
+  in_step_ = false;
 }
 
 /// The material around a node turns as its tets do, each in proportion to its volume, where A was
@@ -163,7 +165,7 @@ void Tissue::update_node_rotations() {
     Mat3 D, d;
     for (int c = 0; c < 3; ++c) {
       D.col(c) = data.points[t[c + 1]] - data.points[t[0]];
-      d.col(c) = x_free_.segment<3>(3 * t[c + 1]) - x_free_.segment<3>(3 * t[0]);
+      d.col(c) = x_.segment<3>(3 * t[c + 1]) - x_.segment<3>(3 * t[0]);
     }
     // F times six volumes, without a division: cof D = det D D^-T.
     Mat3 cofactors;

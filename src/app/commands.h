@@ -10,7 +10,7 @@
 
 namespace sutura::app {
 
-enum ExitCode { ok = 0, usage = 1, diverged = 4, internal = 70, interrupted = 130 };
+enum ExitCode { ok = 0, usage = 1, diverged = 4, inaccurate = 5, internal = 70, interrupted = 130 };
 
 /// What `run` and `check` share.
 struct SceneArguments {
@@ -26,6 +26,7 @@ struct RunArguments {
   std::string output;            ///< folder; empty: out/NAME
   std::string checkpoint_every;  ///< "1 s"; empty: no checkpoints
   std::string resume;            ///< file of a state; empty: from the beginning
+  bool lenient = false;          ///< a run that misses its tolerances ends with 0 all the same
 };
 
 struct DescribeArguments {

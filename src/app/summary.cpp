@@ -1,5 +1,6 @@
 #include "app/summary.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 
@@ -22,7 +23,19 @@ void Summary::add(const StepReport& report) {
   ++steps_;
   time_ = report.time;
   for (std::size_t i = 0; i < seconds_.size(); ++i) seconds_[i] += report.seconds[i];
-  if (!report.solve.converged) ++not_converged_;
+  passes_ += report.passes;
+  most_passes_ = std::max(most_passes_, report.passes);
+  if (report.parts > 1) ++divided_;
+  most_parts_ = std::max(most_parts_, report.parts);
+  if (!report.solved) {
+    if (unsolved_++ == 0) first_unsolved_ = report.step;
+    worst_violation_ = std::max(worst_violation_, report.violation);
+    for (const BodyReport& b : report.bodies) {
+      if (b.imbalance.relative <= worst_imbalance_.relative) continue;
+      worst_imbalance_ = b.imbalance;
+      worst_body_ = b.body;
+    }
+  }
   events_ += report.solve.events;
   if (!report.messages.empty()) {
     if (troubled_++ == 0) {
@@ -44,7 +57,7 @@ void Summary::add(const StepReport& report) {
   rows_.add(static_cast<double>(report.rows), report.step);
   sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
   residual_.add(report.solve.residual, report.step);
-  violation_.add(report.solve.violation, report.step);
+  violation_.add(report.violation, report.step);
 }
 
 std::string Summary::text(double wall_seconds) const {
@@ -82,8 +95,21 @@ std::string Summary::text(double wall_seconds) const {
            static_cast<long>(f.as_operator), static_cast<long>(f.steps), f.operator_count / n_steps,
            f.assembled_count / n_steps);
   }
-  append(out, "  not converged in %ld of %ld steps; %ld irreversible events\n",
-         static_cast<long>(not_converged_), static_cast<long>(steps_), static_cast<long>(events_));
+  append(out,
+         "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",
+         static_cast<double>(passes_) / n, static_cast<long>(most_passes_),
+         static_cast<long>(divided_), static_cast<long>(steps_), static_cast<long>(most_parts_));
+  append(out, "  %ld events (a surface pierced, a sticking sample torn loose)\n",
+         static_cast<long>(events_));
+  if (unsolved_ > 0) {
+    append(out,
+           "  TOLERANCE MISSED in %ld of %ld steps, first in step %ld: imbalance up to %.2g of the "
+           "forces at work (%.2g N) of ",
+           static_cast<long>(unsolved_), static_cast<long>(steps_),
+           static_cast<long>(first_unsolved_), worst_imbalance_.relative, worst_imbalance_.force);
+    out += worst_body_;
+    append(out, ", violation up to %.2g m\n", worst_violation_);
+  }
   if (troubled_ > 0) {
     append(out,
            "  trouble in %ld of %ld steps; the first, in step %ld: ", static_cast<long>(troubled_),

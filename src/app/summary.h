@@ -16,6 +16,8 @@ class Summary {
   /// A table of stages, the size of the constraint problem, and how well it was solved.
   std::string text(double wall_seconds) const;
   Index steps() const { return steps_; }
+  /// Steps whose result is not as accurate as the scene asks.
+  Index missed() const { return unsolved_; }
 
  private:
   /// The last value, and the largest with its step.
@@ -33,7 +35,12 @@ class Summary {
 
   Index steps_ = 0;
   Real time_ = 0;
-  Index not_converged_ = 0;
+  Index unsolved_ = 0;  ///< steps that missed a tolerance
+  Index first_unsolved_ = 0;
+  std::string worst_body_;
+  Imbalance worst_imbalance_;
+  Real worst_violation_ = 0;
+  Index passes_ = 0, most_passes_ = 0, divided_ = 0, most_parts_ = 1;
   Index events_ = 0;
   Index troubled_ = 0;  ///< steps with messages
   Index first_troubled_step_ = 0;

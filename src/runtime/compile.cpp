@@ -5,6 +5,7 @@
 #include "runtime/gauss_seidel_component.h"
 #include "runtime/state.h"
 #include "solve/compliance_stage.h"
+#include "solve/law_check.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
@@ -72,6 +73,8 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->bodies_.push_back({c->path(), body});
       s->const_bodies_.push_back(body);
       s->report_.compliance.push_back({.body = c->path()});
+      s->report_.bodies.push_back({.body = c->path(), .imbalance = {}});
+      s->imbalance_.emplace_back();
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
@@ -98,6 +101,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->compliance_ = std::make_unique<ComplianceStage>();
   s->identity_ = identity_of(*s->scene_);
+  s->law_check_ = std::make_unique<LawCheck>();
   return s;
 }
 

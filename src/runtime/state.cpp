@@ -64,8 +64,14 @@ void Simulation::archive_run(Archive& a) {
   a("blocks", report_.blocks);
   a("rows", report_.rows);
   archive(a, report_.solve);
-  a("compliance_error", report_.compliance_error);
-  a("first_compliance_error", report_.first_compliance_error);
+  a("passes", report_.passes);
+  a("parts", report_.parts);
+  a("solved", report_.solved);
+  a("violation", report_.violation);
+  for (BodyReport& body : report_.bodies) {
+    a("imbalance", body.imbalance.force);
+    a("relative_imbalance", body.imbalance.relative);
+  }
   a("finite", report_.finite);
   builder_->archive(a);
   if (default_solver_) default_solver_->archive(a);

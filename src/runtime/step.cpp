@@ -1,70 +1,34 @@
 // The time step: what happens, in which order. docs/step.md explains each stage.
+#include <algorithm>
+#include <cmath>
+
 #include "base/stage_timer.h"
-#include "solve/compliance_check.h"
+#include "runtime/step_division.h"
 #include "solve/compliance_stage.h"
+#include "solve/law_check.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
 
+/// One step, or several shorter ones where that is too long to be solved.
 const StepReport& Simulation::step() {
-  const StepContext context{
-      .dt = scene_->dt, .time = report_.time, .step = report_.step, .gravity = scene_->gravity};
-  StageTimer timer(report_.seconds);
-
-  // Tracks and graspers say where the tools are at the end of the step.
-  timer.enter(Stage::inputs);
-  for (Driver* driver : drivers_) driver->drive(context);
-
-  // Every body alone, as if nothing touched it: A dv = b, x_free.
-  timer.enter(Stage::free_motion);
-  for (const NamedBody& b : bodies_) b.body->free_motion(context);
-
-  // Who might touch whom, from x and x_free.
-  timer.enter(Stage::detect);
-  for (ConstraintSource* source : sources_) source->detect(context);
-
-  // Rows: H, d_free, law, parameters, key.
-  timer.enter(Stage::build);
-  builder_->begin();
-  for (ConstraintSource* source : sources_) source->build(context, *builder_);
-  builder_->finish();
-  report_.blocks = static_cast<Index>(problem_.blocks.size());
-  report_.rows = problem_.rows();
-
-  // W = h^2 H A^-1 H^T: assembled, or an operator where the body is a chain and that is cheaper.
-  timer.enter(Stage::compliance);
-  compliance_->run(const_bodies_, problem_, context.dt, solver_->compliance_form(), report_.solve,
-                   report_.compliance);
-
-  // lambda and the state of every block.
-  timer.enter(Stage::solve);
-  report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
-  report_.compliance_error = report_.first_compliance_error = 0;
-  if (problem_.rows() > 0 && has_approximate_body()) check_compliance(context);
-
-  // dv += h A^-1 H^T lambda; positions.
-  timer.enter(Stage::correct);
-  report_.finite = true;
-  report_.messages.clear();
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    body_force_[i].setZero(bodies_[i].body->dofs());
-    problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
-    bodies_[i].body->correct(context, body_force_[i]);
-    report_.finite = report_.finite && bodies_[i].body->finite();
-    const std::string trouble = bodies_[i].body->trouble();
-    if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
+  Timer timer(report_.seconds);
+  begin_report();
+  const Real dt = scene_->dt;
+  for (StepDivision division(scene_->limits.substeps); !division.done();) {
+    const StepContext context{.dt = dt / static_cast<Real>(division.parts()),
+                              .time = report_.time + dt * division.begin(),
+                              .step = report_.step,
+                              .gravity = scene_->gravity};
+    const bool solved = balance(context, timer);
+    if (!solved && division.halve()) continue;
+    report_.parts = std::max(report_.parts, division.parts());
+    accept(context, solved, timer);
+    if (!report_.finite) break;
+    division.next();
   }
-
-  // Path points, punctures: the only place where topology changes. A state that is no longer finite
-  // is not searched.
-  timer.enter(Stage::commit);
-  if (report_.finite) {
-    const SolvedBlocks solved(problem_);
-    for (ConstraintSource* source : sources_) source->commit(context, solved);
-  }
-
-  report_.step = context.step + 1;
-  report_.time = static_cast<Real>(report_.step) * context.dt;
+  report_.step += 1;
+  report_.time = static_cast<Real>(report_.step) * dt;
 
   // Files. Read-only.
   timer.enter(Stage::record);
@@ -74,26 +38,132 @@ const StepReport& Simulation::step() {
   return report_;
 }
 
-bool Simulation::has_approximate_body() const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (problem_.bodies[i].size() > 0 && !bodies_[i].body->compliance_is_exact()) return true;
+void Simulation::begin_report() {
+  report_.passes = 0;
+  report_.parts = 1;
+  report_.solved = report_.finite = true;
+  report_.violation = 0;
+  report_.solve = {};
+  report_.messages.clear();
+  for (BodyReport& b : report_.bodies) b.imbalance = {};
+}
+
+/// Finds the end of the step: where the momentum of every body balances and every law holds, both
+/// as measured there. False if the passes do not get that far.
+bool Simulation::balance(StepContext context, Timer& timer) {
+  // Tracks and graspers say where the tools are at the end of the step.
+  timer.enter(Stage::inputs);
+  for (Driver* driver : drivers_) driver->drive(context);
+  for (const NamedBody& b : bodies_) b.body->begin_step(context);
+  build(context, timer);
+
+  Index least = 1;
+  for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
+  const Index most = std::max(least, scene_->limits.passes);
+  Index events = 0;
+  while (context.pass < most + events) {
+    pass(context, timer);
+    ++context.pass;
+    ++report_.passes;
+    build(context, timer);
+    timer.enter(Stage::measure);
+    const bool balanced = measure(context);
+    if (!std::isfinite(violation_)) return false;
+    if (!balanced || context.pass < least) continue;
+    // What cannot be undone happens on forces that have been verified, all that is due at once.
+    const Index fired = fire_events(problem_);
+    if (fired == 0) return true;
+    events += fired;
+    report_.solve.events += fired;
+  }
   return false;
 }
 
-/// W of some body is approximate: measures what lambda really does, and if that is more than a
-/// micrometre from what W said, takes the difference into d_free and solves once more.
-void Simulation::check_compliance(const StepContext& context) {
-  constexpr Real tolerance = 1e-6;  // m; a hundredth of the length unit of most blocks
-  const VecX d_free = problem_.d_free;
-  VecX error;
-  report_.compliance_error = compliance_error(const_bodies_, problem_, d_free, context.dt, error);
-  report_.first_compliance_error = report_.compliance_error;
-  if (report_.compliance_error <= tolerance) return;
-  problem_.d_free += error;
+/// One linearisation of everything about the present guess, and the next guess.
+void Simulation::pass(const StepContext& context, Timer& timer) {
+  // Every body alone: A dv = what its balance lacks without constraints.
+  timer.enter(Stage::free_motion);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    bodies_[i].body->free_motion(context);
+    problem_.bodies[i].add_product(context.dt * bodies_[i].body->free_change(), problem_.d_free);
+  }
+
+  // W = h^2 H A^-1 H^T: assembled, or an operator where the body is a chain and that is cheaper.
+  timer.enter(Stage::compliance);
+  compliance_->run(const_bodies_, problem_, context.dt, solver_->compliance_form(), report_.solve,
+                   report_.compliance);
+
+  // lambda and the state of every block.
+  timer.enter(Stage::solve);
+  problem_.hold_events = true;
   const Index events = report_.solve.events;
-  report_.solve = solver_->solve(problem_);
-  report_.solve.events += events;
-  report_.compliance_error = compliance_error(const_bodies_, problem_, d_free, context.dt, error);
+  report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
+  report_.solve.events = events;
+  law_check_->note(problem_);
+
+  // The next guess: dv += h A^-1 H^T lambda.
+  timer.enter(Stage::correct);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    body_force_[i].setZero(bodies_[i].body->dofs());
+    problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
+    bodies_[i].body->correct(context, body_force_[i]);
+  }
+}
+
+/// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
+void Simulation::build(const StepContext& context, Timer& timer) {
+  timer.enter(Stage::detect);
+  for (ConstraintSource* source : sources_) source->detect(context);
+  timer.enter(Stage::build);
+  using Warm = ConstraintBuilder::Warm;
+  builder_->begin(context.pass == 0 ? Warm::step_before : Warm::pass_before);
+  for (ConstraintSource* source : sources_) source->build(context, *builder_);
+  builder_->finish();
+  report_.blocks = static_cast<Index>(problem_.blocks.size());
+  report_.rows = problem_.rows();
+}
+
+/// Momentum and violation of the present guess, with rows and forces as they are there.
+bool Simulation::measure(const StepContext& context) {
+  const StepLimits& limits = scene_->limits;
+  violation_ = law_check_->measure(problem_).violation;
+  bool good = violation_ <= limits.gap_tolerance;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    body_force_[i].setZero(bodies_[i].body->dofs());
+    problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
+    imbalance_[i] = bodies_[i].body->imbalance(context, body_force_[i]);
+    good = good && imbalance_[i].relative <= limits.tolerance;
+    violation_ += 0 * imbalance_[i].relative;  // not finite if any is
+  }
+  return good;
+}
+
+/// The guess becomes the end of the step. The only place where topology and the number of rows may
+/// change.
+void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
+  timer.enter(Stage::commit);
+  builder_->accept();
+  report_.solved = report_.solved && solved;
+  report_.violation = std::max(report_.violation, violation_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Body& body = *bodies_[i].body;
+    Imbalance& worst = report_.bodies[i].imbalance;
+    if (!(imbalance_[i].relative <= worst.relative)) worst = imbalance_[i];
+    body.end_step(context, body_force_[i]);
+    report_.finite = report_.finite && body.finite();
+    const std::string trouble = body.trouble();
+    if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
+  }
+  if (!report_.finite) return;  // a state that is not finite is not searched
+  const SolvedBlocks blocks(problem_);
+  for (ConstraintSource* source : sources_) source->commit(context, blocks);
+}
+
+Imbalance StepReport::worst_imbalance() const {
+  Imbalance worst;
+  for (const BodyReport& b : bodies)
+    if (!(b.imbalance.relative <= worst.relative)) worst = b.imbalance;
+  return worst;
 }
 
 double StepReport::total_seconds() const {

@@ -14,19 +14,30 @@ ConstraintBuilder::ConstraintBuilder(ConstraintProblem& problem, std::vector<con
   problem_.chains.resize(bodies_.size());
 }
 
-/// What the last step left is the warm start of the next one.
-void ConstraintBuilder::remember() {
-  warm_.clear();
-  for (const ConstraintBlock& b : problem_.blocks)
-    warm_.push_back({b.key, b.law->name, b.first_row});
-  std::sort(warm_.begin(), warm_.end(), [](const Warm& a, const Warm& b) { return a.key < b.key; });
-  if (warm_lambda_.size() < problem_.lambda.size()) warm_lambda_.resize(problem_.lambda.size());
-  warm_lambda_.head(problem_.lambda.size()) = problem_.lambda;
+void ConstraintBuilder::Memory::remember(const ConstraintProblem& problem) {
+  blocks.clear();
+  for (const ConstraintBlock& b : problem.blocks)
+    blocks.push_back({b.key, b.law->name, b.first_row, b.mode});
+  std::sort(blocks.begin(), blocks.end(),
+            [](const Known& a, const Known& b) { return a.key < b.key; });
+  if (lambda.size() < problem.lambda.size()) lambda.resize(problem.lambda.size());
+  lambda.head(problem.lambda.size()) = problem.lambda;
 }
 
-void ConstraintBuilder::begin() {
-  if (!restored_) remember();
-  restored_ = false;
+const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(const ConstraintBlock& b) const {
+  const auto it =
+      std::lower_bound(blocks.begin(), blocks.end(), b.key,
+                       [](const Known& known, const Key& key) { return known.key < key; });
+  return it != blocks.end() && it->key == b.key && it->law == b.law->name ? &*it : nullptr;
+}
+
+void ConstraintBuilder::accept() {
+  step_before_.remember(problem_);
+}
+
+void ConstraintBuilder::begin(Warm warm) {
+  warm_ = warm;
+  if (warm == Warm::pass_before) pass_before_.remember(problem_);
   problem_.blocks.clear();
   problem_.params.clear();
   patches_.clear();
@@ -34,14 +45,14 @@ void ConstraintBuilder::begin() {
   patch_values_.clear();
   first_patch_.clear();
   last_patch_.clear();
-  d_free_.clear();
+  gap_.clear();
 }
 
 BlockId ConstraintBuilder::add_block(const LawOperations* law, Key key, const void* params,
-                                     const Real* d_free, Mode mode, BlockUnits units) {
+                                     const Real* gap, Mode mode, BlockUnits units) {
   ConstraintBlock block;
   block.law = law;
-  block.first_row = static_cast<Index>(d_free_.size());
+  block.first_row = static_cast<Index>(gap_.size());
   block.key = key;
   block.units = units;
   block.mode = mode;
@@ -52,7 +63,7 @@ BlockId ConstraintBuilder::add_block(const LawOperations* law, Key key, const vo
   problem_.params.resize(at + (law->params_size + slot - 1) / slot);
   std::memcpy(problem_.params.data() + at, params, law->params_size);
 
-  d_free_.insert(d_free_.end(), d_free, d_free + law->dim);
+  gap_.insert(gap_.end(), gap, gap + law->dim);
   problem_.blocks.push_back(block);
   first_patch_.push_back(-1);
   last_patch_.push_back(-1);
@@ -135,31 +146,36 @@ void ConstraintBuilder::gather_rows(std::size_t body) {
 }
 
 void ConstraintBuilder::finish() {
-  const auto rows = static_cast<Index>(d_free_.size());
-  problem_.d_free = Eigen::Map<const VecX>(d_free_.data(), rows);
+  const auto rows = static_cast<Index>(gap_.size());
+  problem_.gap = Eigen::Map<const VecX>(gap_.data(), rows);
+  problem_.d_free = problem_.delta = problem_.gap;
   problem_.lambda.setZero(rows);
-  problem_.delta.setZero(rows);
-  for (const ConstraintBlock& b : problem_.blocks) {
-    const auto old = std::lower_bound(warm_.begin(), warm_.end(), b.key,
-                                      [](const Warm& w, const Key& key) { return w.key < key; });
-    if (old == warm_.end() || old->key != b.key || old->law != b.law->name) continue;
-    const auto lambda = warm_lambda_.segment(old->first, b.law->dim);
+  const bool same_step = warm_ == Warm::pass_before;
+  const Memory& memory = same_step ? pass_before_ : step_before_;
+  for (ConstraintBlock& b : problem_.blocks) {
+    const Known* old = memory.find(b);
+    if (old == nullptr) continue;
+    const auto lambda = memory.lambda.segment(old->first, b.law->dim);
     if (lambda.allFinite()) problem_.lambda.segment(b.first_row, b.law->dim) = lambda;
+    if (same_step) b.mode = old->mode;
   }
   for (std::size_t body = 0; body < bodies_.size(); ++body) gather_rows(body);
 }
 
-void ConstraintBuilder::archive(Archive& a) {
-  if (!a.restoring() && !restored_) remember();
-  a.list("warm", warm_, [this](Archive& each, Warm& w) {
-    std::string law(w.law);
-    each("key", w.key.value);
+void ConstraintBuilder::Memory::archive(Archive& a, std::set<std::string>& laws) {
+  a.list("blocks", blocks, [&laws](Archive& each, Known& known) {
+    std::string law(known.law);
+    each("key", known.key.value);
     each("law", law);
-    each("first", w.first);
-    if (each.restoring()) w.law = *restored_laws_.insert(law).first;
+    each("first", known.first);
+    each("mode", known.mode);
+    if (each.restoring()) known.law = *laws.insert(law).first;
   });
-  a("lambda", warm_lambda_);
-  restored_ = restored_ || a.restoring();
+  a("lambda", lambda);
+}
+
+void ConstraintBuilder::archive(Archive& a) {
+  step_before_.archive(a, restored_laws_);
 }
 
 }  // namespace sutura

@@ -78,7 +78,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     const bool converged = residual.value <= options_.tolerance;
     // A problem that will not converge to the tolerance must not hold its events for ever.
     if (converged || (residual.value <= event_gate && 2 * report.sweeps >= options_.sweeps)) {
-      const Index fired = fire_events(problem);
+      const Index fired = problem.hold_events ? 0 : fire_events(problem);
       if (fired > 0) {
         report.events += fired;
         residual = natural_map(problem, compliance_, lambda_plus_);

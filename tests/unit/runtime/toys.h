@@ -37,7 +37,9 @@ class Mass : public Component, public Body {
   }
   Index fails_at = -1;
   bool forgetful = false;
-  Vec3 x = Vec3::Zero(), v = Vec3::Zero(), dv = Vec3::Zero();
+  Vec3 x = Vec3::Zero(), v = Vec3::Zero(), start_x = Vec3::Zero(), start_v = Vec3::Zero();
+  VecX change = VecX::Zero(3);  ///< of the velocity, to the free motion
+  bool in_step = false;
   Index step = 0;
 
   void initialise(Setup&) override { note("initialise", *this); }
@@ -48,12 +50,22 @@ class Mass : public Component, public Body {
   }
   Index dofs() const override { return 3; }
   int width() const override { return 3; }
+  void begin_step(const StepContext& c) override {
+    if (!in_step) {
+      start_x = x;
+      start_v = v;
+    }
+    in_step = true;
+    v = start_v;
+    x = start_x + c.dt * v;
+  }
   void free_motion(const StepContext& c) override {
     note("free_motion", *this);
-    dv = c.dt * c.gravity;
+    change = start_v - v + c.dt * c.gravity;
   }
+  Eigen::Ref<const VecX> free_change() const override { return change; }
   Vec3 position(const EmbeddedPoint&, Configuration c) const override {
-    return c == Configuration::free ? Vec3(x + dt * (v + dv)) : x;
+    return c == Configuration::start ? start_x : x;
   }
   void jacobian(const EmbeddedPoint&, PointJacobian& out) const override {
     out.width = 3;
@@ -64,9 +76,15 @@ class Mass : public Component, public Body {
   void solve(Eigen::Ref<MatX>) const override {}  // A = 1 kg
   void correct(const StepContext& c, const VecX& force) override {
     note("correct", *this);
-    dv += c.dt * force;
-    v += dv;
-    x += c.dt * v;
+    v += change + c.dt * force;
+    x = start_x + c.dt * v;
+  }
+  Imbalance imbalance(const StepContext& c, const VecX& force) override {
+    const Real missing = ((start_v - v) / c.dt + c.gravity + force).norm();
+    return {missing, missing / c.gravity.norm()};
+  }
+  void end_step(const StepContext&, const VecX&) override {
+    in_step = false;
     if (step++ == fails_at) x.x() = std::numeric_limits<Real>::quiet_NaN();
   }
   Vec3 momentum() const override { return v; }
@@ -75,8 +93,6 @@ class Mass : public Component, public Body {
   bool finite() const override { return x.allFinite(); }
   std::string trouble() const override { return finite() ? "" : "it broke"; }
   BodyGeometry geometry() const override { return {}; }
-
-  static constexpr Real dt = 0.1;  // s, of every scene of these tests
 };
 
 /// Holds a mass where it is.
@@ -100,7 +116,7 @@ class Pin : public Component, public ConstraintSource {
   void build(const StepContext&, ConstraintBuilder& builder) override {
     note("build", *this);
     block_ =
-        builder.add<Bilateral<3>>(make_key(id, 0), {}, mass->position({}, Configuration::free));
+        builder.add<Bilateral<3>>(make_key(id, 0), {}, mass->position({}, Configuration::current));
     PointJacobian J;
     mass->jacobian({}, J);
     builder.couple(block_, *mass, Mat3::Identity(), J, mass->x);

@@ -37,13 +37,17 @@ class Curve : public Component, public CurveBody {
 
   Index dofs() const override { return 6; }
   int width() const override { return 6; }
+  void begin_step(const StepContext&) override {}
   void free_motion(const StepContext&) override {}
+  Eigen::Ref<const VecX> free_change() const override { return no_change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
     return point(p.weights[0], c);
   }
   void jacobian(const EmbeddedPoint&, PointJacobian& out) const override { out = {}; }
   void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
-  void correct(const StepContext&, const VecX&) override {
+  void correct(const StepContext&, const VecX&) override {}
+  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
+  void end_step(const StepContext&, const VecX&) override {
     if (!held_) return;
     pose_.rotation = target_.rotation;
     pose_.position = target_.position - pose_.rotation * Vec3(hold_at_, 0, 0);
@@ -88,6 +92,7 @@ class Curve : public Component, public CurveBody {
   Real length_ = 0.1;
   Vec3 origin_ = Vec3::Zero();
   Pose pose_;
+  VecX no_change_ = VecX::Zero(6);
   bool held_ = false;
   Real hold_at_ = 0;
   Pose target_;

@@ -1,0 +1,44 @@
+#include "solve/law_check.h"
+
+#include <algorithm>
+
+namespace sutura {
+
+void LawCheck::note(const ConstraintProblem& problem) {
+  compliance_.prepare(problem);
+  known_.clear();
+  diagonal_.clear();
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    const int dim = problem.blocks[i].law->dim;
+    known_.push_back({problem.blocks[i].key, diagonal_.size(), dim});
+    const Real* W = compliance_[i];
+    diagonal_.insert(diagonal_.end(), W, W + dim * dim);
+  }
+  std::sort(known_.begin(), known_.end(),
+            [](const Known& a, const Known& b) { return a.key < b.key; });
+}
+
+Residual LawCheck::measure(ConstraintProblem& problem) {
+  Residual residual;
+  for (ConstraintBlock& b : problem.blocks) {
+    const int dim = b.law->dim;
+    Real W[max_block_dim * max_block_dim] = {};
+    const auto it = std::lower_bound(known_.begin(), known_.end(), b.key,
+                                     [](const Known& k, const Key& key) { return k.key < key; });
+    if (it != known_.end() && it->key == b.key && it->dim == dim)
+      std::copy_n(&diagonal_[it->first], dim * dim, W);
+    else
+      for (int k = 0; k < dim; ++k) W[k * (dim + 1)] = b.units.length / b.units.force;
+    const Real* lambda = problem.lambda.data() + b.first_row;
+    Real d[max_block_dim], change[max_block_dim];
+    own_free_violation(dim, W, problem.delta.data() + b.first_row, lambda, d);
+    std::copy_n(lambda, dim, change);
+    Mode mode = b.mode;
+    b.law->project({W, d, problem.block_params(b), &mode, change});
+    for (int k = 0; k < dim; ++k) change[k] -= lambda[k];
+    residual.add(b, W, change);
+  }
+  return residual;
+}
+
+}  // namespace sutura
