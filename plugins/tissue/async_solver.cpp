@@ -32,7 +32,7 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   rotations_.assign(rotations.begin(), rotations.end());
   step_ = step;
   jacobi_ready_ = false;
-  asked_.resize(0);
+  has_answer_ = false;
   recent_.matrix_changed();
   const Index failed = report_.failed_factors, adopted = report_.adopted_at;
   report_ = {};
@@ -166,13 +166,15 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   assert(A_);
   // The check of a compliance and the correction after it ask for the same column.
   const bool single = columns.cols() == 1;
-  if (single && asked_.size() == columns.rows() && asked_ == columns.col(0)) {
+  if (single && has_answer_ && asked_ == columns.col(0)) {
     columns.col(0) = answered_;
     return;
   }
+  has_answer_ = false;
   if (single) asked_ = columns.col(0);
-  const bool started = single && recent_.start(*A_, fixed_, asked_, x_);
-  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
+  MatX& x = single ? single_x_ : x_;  // each keeps its memory
+  const bool started = single && recent_.start(*A_, fixed_, asked_, x);
+  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, options_.tolerance,
                            options_.max_iterations, started);
   report_.iterations += r.iterations;
   last_iterations_ = std::max(last_iterations_, r.iterations);
@@ -180,7 +182,7 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   if (!r.converged && older && factorise_here()) {
     report_.complain(
         "the older factor was too poor: the matrix of the step was factorised at once");
-    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, options_.tolerance,
+    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, options_.tolerance,
                    options_.max_iterations);
     report_.iterations += r.iterations;
   }
@@ -190,9 +192,10 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
     report_.complain(current_ ? "conjugate gradients did not converge"
                               : "no factor, and conjugate gradients did not converge without one");
   }
-  columns = x_;
+  columns = x;
   if (single) {
-    answered_ = x_.col(0);
+    answered_ = x.col(0);
+    has_answer_ = true;
     recent_.add(*A_, fixed_, answered_);
   }
 }

@@ -79,9 +79,11 @@ void Tissue::initialise(Setup&) {
   solver_ = solver ? solver.get() : own_solver_.get();
 }
 
-/// Every Layer and Attach has spoken.
-void Tissue::ready(Setup&) {
+/// Every Layer and Attach has spoken. The factor that the first step needs is made here: the first
+/// step finds the same matrix again.
+void Tissue::ready(Setup& setup) {
   solver_->analyse(A_->pattern(), fixed_, {});
+  linearise({.dt = setup.dt, .gravity = setup.gravity});
 }
 
 void Tissue::archive(Archive& a) {
