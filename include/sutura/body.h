@@ -95,11 +95,11 @@ class Body {
   /// Begins a step of length context.dt where the last one ended: makes a first guess. Called again
   /// before `end_step` it begins the same step anew, with another length.
   virtual void begin_step(const StepContext& context) = 0;
-  /// Stage free_motion: A at the guess, and the change of velocity it answers to what is missing of
-  /// balance there, constraint forces left out.
-  virtual void free_motion(const StepContext& context) = 0;
+  /// Stage linearise: A at the guess, and the change of velocity it answers to what is missing of
+  /// balance there under the present constraint force (N, N m; size dofs).
+  virtual void linearise(const StepContext& context, const VecX& force) = 0;
   /// That change (m/s, rad/s; size dofs).
-  virtual Eigen::Ref<const VecX> free_change() const = 0;
+  virtual Eigen::Ref<const VecX> change() const = 0;
 
   virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
   /// At the guess.
@@ -116,10 +116,10 @@ class Body {
   /// violation is measured, and the next pass takes it up. Not asked of chains.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
 
-  /// Stage correct: adds the answer to the constraint force (N, N m; size dofs) to the free motion
-  /// and makes that the next guess. May go only part of the way if the linear answer cannot hold so
+  /// Stage correct: adds the answer to a change of the constraint force (N, N m; size dofs) and
+  /// makes that the next guess. May go only part of the way if the linear answer cannot hold so
   /// far.
-  virtual void correct(const StepContext& context, const VecX& force) = 0;
+  virtual void correct(const StepContext& context, const VecX& force_change) = 0;
   /// Stage measure: what the guess lacks of balance under this constraint force.
   virtual Imbalance imbalance(const StepContext& context, const VecX& force) = 0;
   /// Linearisations that a step takes at least, whatever the imbalance.

@@ -69,7 +69,7 @@ class ConstraintProblem {
   std::vector<ConstraintBlock> blocks;
   std::vector<std::max_align_t> params;
   VecX gap;     ///< per row: violation at the guess, as the sources measured it
-  VecX d_free;  ///< per row: gap and what free motion adds to it
+  VecX d_free;  ///< per row: what the linear answer leaves of the gap without lambda
   VecX lambda;  ///< per row; on entry the warm start, on exit the solution
   VecX delta;   ///< per row; on exit W lambda + d_free
   MatX W;       ///< rows x rows, the sum over assembled bodies; 0 x 0 if none of them has rows

@@ -16,10 +16,10 @@
 
 namespace sutura {
 
-/// The stages of a step, in order (docs/step.md). free_motion to measure are one pass.
+/// The stages of a step, in order (docs/step.md). linearise to measure are one pass.
 enum class Stage {
   inputs,
-  free_motion,
+  linearise,
   compliance,
   solve,
   correct,
@@ -30,8 +30,8 @@ enum class Stage {
   record
 };
 inline constexpr std::array<std::string_view, 10> stage_names{
-    "inputs", "free_motion", "compliance", "solve",  "correct",
-    "detect", "build",       "measure",    "commit", "record"};
+    "inputs", "linearise", "compliance", "solve",  "correct",
+    "detect", "build",     "measure",    "commit", "record"};
 
 /// How well one body was balanced at the end of a step; the worst of its parts, if it was divided.
 struct BodyReport {
@@ -139,6 +139,7 @@ class Simulation {
   void pass(const StepContext& context, Timer& timer);
   void build(const StepContext& context, Timer& timer);
   bool measure(const StepContext& context);
+  void constraint_force(std::size_t body);
   void accept(const StepContext& context, bool solved, Timer& timer);
   std::unique_ptr<Scene> scene_;
   std::vector<NamedBody> bodies_;
@@ -156,6 +157,7 @@ class Simulation {
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
   Real violation_ = 0;                ///< likewise
   std::string identity_;              ///< of scene, files and build: what a state must agree with
+  VecX lambda_before_;
   StepReport report_;
   bool recording_ = false;
   std::string record_error_;  ///< the first one; recording stops there

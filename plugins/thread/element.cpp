@@ -313,6 +313,17 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   k += (t + t.transpose()) / 2;
 }
 
+void hessian(const ElementRest& r, const ElementState& s, ElementMatrix& k) {
+  Mat9 full;
+  hessian(r, s, full);
+  k.vv = full.block<3, 3>(0, 0);
+  k.va = full.block<3, 3>(0, 3);
+  k.vb = full.block<3, 3>(0, 6);
+  k.aa = full.block<3, 3>(3, 3);
+  k.ab = full.block<3, 3>(3, 6);
+  k.bb = full.block<3, 3>(6, 6);
+}
+
 ElementMass::ElementMass(const ElementRest& r) {
   const Real m = r.mass, L = r.length;
   same = 13 * m / 35;

@@ -82,6 +82,7 @@ void step_stiffness(const ElementRest& rest, const ElementState& state, ElementM
 
 /// The Hessian of U with respect to (v, spin_a, spin_b), rotations varied by the exponential map.
 void hessian(const ElementRest& rest, const ElementState& state, Mat9& k);
+void hessian(const ElementRest& rest, const ElementState& state, ElementMatrix& k);
 
 /// Consistent mass: the kinetic energy of the Hermite cubic through the nodes with the section
 /// tangents t_a, t_b (so that momentum and centre of mass are those of the curve that is drawn),

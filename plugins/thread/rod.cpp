@@ -50,8 +50,7 @@ void Rod::build(const RodLayout& layout) {
   start_rate_.assign(n, Vec3::Zero());
   states_.resize(n - 1);
   in_step_ = false;
-  for (auto* v : {&velocity_, &start_velocity_, &missing_, &free_change_, &change_})
-    v->clear(dofs());
+  for (auto* v : {&velocity_, &start_velocity_, &missing_, &change_, &answer_}) v->clear(dofs());
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());
@@ -67,7 +66,7 @@ void Rod::reserve(Index beams) {
   for (auto* reals : {&twist_, &start_twist_, &tension_, &at_work_}) reals->reserve(n);
   start_rate_.reserve(n);
   states_.reserve(n);
-  for (auto* v : {&velocity_, &start_velocity_, &missing_, &free_change_, &change_})
+  for (auto* v : {&velocity_, &start_velocity_, &missing_, &change_, &answer_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);

@@ -4,10 +4,10 @@
 // node: translation, spin; world axes), with the poses x = start + h v,
 //   r = M (v_start - v) + h (f(x) + weight - B v),     A dv = r,     A = M + h B + h^2 K,  B =
 //   alpha M + beta K
-// with f the exact gradient of the energy and K its positive semidefinite part (element.h). The
-// geometric stiffness in K takes the tension that the pass before predicted and not the one at the
-// guess: a stiff beam that turns by theta in a pass is stretched by theta^2/2 until the next pass
-// takes that back (docs/theory/thread.md).
+// with f the exact gradient of the energy and K its Hessian, or a convex part of it where A would
+// not be positive definite (element.h). The geometric stiffness in K takes the tension that the
+// pass before predicted and not the one at the guess: a stiff beam that turns by theta in a pass is
+// stretched by theta^2/2 until the next pass takes that back (docs/theory/thread.md).
 #pragma once
 
 #include <functional>
@@ -81,8 +81,8 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
-  /// Change of the guess, in velocity, that the present pass leads to without constraint forces.
-  const DofVector& free_change() const { return free_change_; }
+  /// Change of the guess, in velocity, that answers what is missing of balance.
+  const DofVector& change() const { return change_; }
   const std::vector<Real>& twist() const { return twist_; }
   std::vector<Real>& twist() { return twist_; }
   const ElementRest& element(Index e) const { return elements_[e]; }
@@ -91,12 +91,12 @@ class Rod {
 
   /// Begins a step where the last one ended, or the same step anew with another length.
   void begin_step(Real dt, const Vec3& gravity);
-  /// Assembles and factors A at the guess and finds free_change. False if A is not positive
-  /// definite.
-  bool free_motion();
-  /// The guess moves by free_change + dt A^-1 force; only part of the way where that turns a beam
-  /// too far.
-  void correct(const Dofs& force);
+  /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
+  /// if A is not positive definite.
+  bool linearise(const Dofs& force);
+  /// The guess moves by that change and the answer to a change of force; only part of the way where
+  /// that turns a beam too far.
+  void correct(const Dofs& force_change);
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Dofs& force) const;
   /// The guess is the end of the step.
@@ -105,8 +105,11 @@ class Rod {
   /// Returns the passes, 0 if they did not get there.
   Index advance(Real dt, const Vec3& gravity, const Dofs& force, Real tolerance = 1e-9);
 
-  // The parts of free_motion, also for measurement.
-  void assemble();
+  // The parts of linearise, also for measurement.
+  /// exact: the Hessian, which may be indefinite; convex: its positive semidefinite part
+  /// (element.h).
+  enum class Tangent { exact, convex };
+  void assemble(Tangent tangent);
   bool factor();
 
   struct StaticReport {
@@ -175,7 +178,7 @@ class Rod {
   std::vector<Real> tension_;         ///< that the last pass predicted, N
   DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
   std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
-  DofVector free_change_, change_;
+  DofVector change_, answer_;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

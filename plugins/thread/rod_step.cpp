@@ -25,8 +25,8 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
   // Going on as before is the better guess, unless it turns beams too far for anything to be
   // linear.
-  change_ = dt * start_velocity_;
-  if (largest_turn(start_, change_) < turn_limit) take_guess(true);
+  answer_ = dt * start_velocity_;
+  if (largest_turn(start_, answer_) < turn_limit) take_guess(true);
 }
 
 /// The guess: no motion at all, or that of the step before with the fall of this one.
@@ -99,7 +99,8 @@ void Rod::add_beam_balance(Index e) {
   missing_.segment<3>(6 * e + 6) += xb - p.xb;
   missing_.segment<3>(6 * e + 9) += sb - p.sb;
 
-  const Real inner = g.v.norm(), outer = (weight.norm() / 2) / dt_;
+  // A strain of 1e-10 is rounding.
+  const Real inner = g.v.norm() + 1e-10 * r.axial, outer = (weight.norm() / 2) / dt_;
   at_work_[e] += inner + g.a.norm() / r.length + p.xa.norm() / dt_ + outer;
   at_work_[e + 1] += inner + g.b.norm() / r.length + p.xb.norm() / dt_ + outer;
 }
@@ -120,7 +121,7 @@ Wrench Rod::spring_wrench(const NodeSpring& spring) const {
           spring.stiffness.rotation * rotation_between(p.rotation, spring.target.rotation)};
 }
 
-void Rod::assemble() {
+void Rod::assemble(Tangent tangent) {
   const Real mass_factor = 1 + dt_ * damping_mass;
   const Real stiffness_factor = dt_ * (dt_ + damping_stiffness);
   matrix_.diagonal(0).setZero();
@@ -130,7 +131,10 @@ void Rod::assemble() {
     ElementState& s = states_[e];
     const Real tension = s.tension;
     s.tension = tension_[e];
-    step_stiffness(elements_[e], s, k);
+    if (tangent == Tangent::exact)
+      hessian(elements_[e], s, k);
+    else
+      step_stiffness(elements_[e], s, k);
     s.tension = tension;
 
     Mat6& da = matrix_.diagonal(e);
@@ -190,11 +194,15 @@ bool Rod::factor() {
   return true;
 }
 
-bool Rod::free_motion() {
-  assemble();
-  if (!factor()) return false;
-  free_change_ = missing_;
-  matrix_.solve(Eigen::Ref<VecX>(free_change_));
+bool Rod::linearise(const Dofs& force) {
+  assemble(Tangent::exact);
+  if (!matrix_.factor()) {  // something buckles: go downhill
+    assemble(Tangent::convex);
+    if (!factor()) return false;
+  }
+  change_ = missing_ + dt_ * force;
+  for (const Index node : clamped_) change_.segment<6>(6 * node).setZero();
+  matrix_.solve(Eigen::Ref<VecX>(change_));
   return true;
 }
 
@@ -211,14 +219,14 @@ void Rod::predict_tension(const Dofs& step, Real part) {
   }
 }
 
-void Rod::correct(const Dofs& force) {
-  change_ = force;
-  for (const Index node : clamped_) change_.segment<6>(6 * node).setZero();
-  matrix_.solve(Eigen::Ref<VecX>(change_));
-  change_ = dt_ * (free_change_ + dt_ * change_);
-  const Real part = std::min(1., turn_limit / largest_turn(pose_, change_));
-  predict_tension(change_, part);
-  velocity_ += part / dt_ * change_;
+void Rod::correct(const Dofs& force_change) {
+  answer_ = force_change;
+  for (const Index node : clamped_) answer_.segment<6>(6 * node).setZero();
+  matrix_.solve(Eigen::Ref<VecX>(answer_));
+  answer_ = dt_ * (change_ + dt_ * answer_);
+  const Real part = std::min(1., turn_limit / largest_turn(pose_, answer_));
+  predict_tension(answer_, part);
+  velocity_ += part / dt_ * answer_;
   move(start_, start_twist_, velocity_, dt_, pose_, twist_);
   evaluate_guess();
 }
@@ -249,8 +257,9 @@ Index Rod::advance(Real dt, const Vec3& gravity, const Dofs& force, Real toleran
   constexpr Index most = 100;
   begin_step(dt, gravity);
   Index passes = 0;
-  while (passes < most && free_motion()) {
-    correct(force);
+  while (passes < most && linearise(force)) {
+    answer_.setZero();
+    correct(answer_);
     ++passes;
     if (!(imbalance(force).relative > tolerance)) break;
   }

@@ -129,12 +129,12 @@ void SutureThread::begin_step(const StepContext& context) {
   rod_.begin_step(context.dt, context.gravity);
 }
 
-void SutureThread::free_motion(const StepContext&) {
-  factored_ = rod_.free_motion();
+void SutureThread::linearise(const StepContext&, const VecX& force) {
+  factored_ = rod_.linearise(force);
 }
 
-void SutureThread::correct(const StepContext&, const VecX& force) {
-  if (factored_) rod_.correct(force);
+void SutureThread::correct(const StepContext&, const VecX& force_change) {
+  if (factored_) rod_.correct(force_change);
 }
 
 Imbalance SutureThread::imbalance(const StepContext&, const VecX& force) {

@@ -37,13 +37,13 @@ class SutureThread : public Component, public CurveBody {
   Index dofs() const override { return rod_.dofs(); }
   int width() const override { return 6; }
   void begin_step(const StepContext& context) override;
-  void free_motion(const StepContext& context) override;
-  Eigen::Ref<const VecX> free_change() const override { return rod_.free_change(); }
+  void linearise(const StepContext& context, const VecX& force) override;
+  Eigen::Ref<const VecX> change() const override { return rod_.change(); }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
   bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const override;
-  void correct(const StepContext& context, const VecX& force) override;
+  void correct(const StepContext& context, const VecX& force_change) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
   void end_step(const StepContext& context, const VecX& force) override;

@@ -40,7 +40,8 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   report_.adopted_at = adopted;
 
   adopt_what_is_due();
-  if (!current_) factorise_here();
+  if (!current_ || renew_) factorise_here();
+  renew_ = false;
   if (!in_flight_ && wants_new_factor()) {
     auto job = take_snapshot();
     in_flight_ = job->snapshot;
@@ -170,8 +171,10 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
     columns.col(0) = answered_;
     return;
   }
-  has_answer_ = false;
-  if (single) asked_ = columns.col(0);
+  if (single) {
+    has_answer_ = false;
+    asked_ = columns.col(0);
+  }
   MatX& x = single ? single_x_ : x_;  // each keeps its memory
   const bool started = single && recent_.start(*A_, fixed_, asked_, x);
   PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, options_.tolerance,

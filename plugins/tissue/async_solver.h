@@ -49,6 +49,7 @@ class AsyncSolver : public TissueSolver {
                std::span<const Index> candidates) override;
   bool wants_rotations() const override { return true; }
   void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
+  void renew() override { renew_ = true; }
   void solve(Eigen::Ref<MatX> columns) override;
   Index nodes() const override { return pattern_->nodes(); }
   bool is_fixed(Index node) const override {
@@ -105,6 +106,7 @@ class AsyncSolver : public TissueSolver {
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;
   TissueSolveReport report_;
+  bool renew_ = false;  ///< factorise the next matrix at once
 };
 
 }  // namespace sutura

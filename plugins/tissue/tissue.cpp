@@ -55,7 +55,7 @@ void Tissue::initialise(Setup&) {
   rest_.resize(3 * n);
   for (Index i = 0; i < n; ++i) rest_.segment<3>(3 * i) = data.points[i];
   x_ = start_x_ = linearised_at_ = rest_;
-  v_ = start_v_ = free_change_ = elastic_force_ = missing_ = reaction_ = VecX::Zero(3 * n);
+  v_ = start_v_ = change_ = elastic_force_ = missing_ = reaction_ = VecX::Zero(3 * n);
   fixed_.assign(data.points.size(), 0);
   for (const Tet& t : data.tets)
     for (int a = 0; a < 4; ++a)
@@ -83,7 +83,7 @@ void Tissue::initialise(Setup&) {
 /// step finds the same matrix again.
 void Tissue::ready(Setup& setup) {
   solver_->analyse(A_->pattern(), fixed_, {});
-  linearise({.dt = setup.dt, .gravity = setup.gravity});
+  assemble({.dt = setup.dt, .gravity = setup.gravity});
 }
 
 void Tissue::archive(Archive& a) {

@@ -62,13 +62,13 @@ class Tissue : public Component, public SolidBody {
   Index dofs() const override { return x_.size(); }
   int width() const override { return 3; }
   void begin_step(const StepContext& context) override;
-  void free_motion(const StepContext& context) override;
-  Eigen::Ref<const VecX> free_change() const override { return free_change_; }
+  void linearise(const StepContext& context, const VecX& force) override;
+  Eigen::Ref<const VecX> change() const override { return change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
-  void correct(const StepContext& context, const VecX& force) override;
+  void correct(const StepContext& context, const VecX& force_change) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return iterations; }
   void end_step(const StepContext& context, const VecX& force) override;
@@ -94,7 +94,7 @@ class Tissue : public Component, public SolidBody {
     return queries_[static_cast<std::size_t>(c)];
   }
   void update_materials();
-  void linearise(const StepContext& context);
+  void assemble(const StepContext& context);
   void balance(const StepContext& context);
   Real moved_since_linearised() const;
   void move_queries(Configuration c, const VecX& x);
@@ -113,10 +113,11 @@ class Tissue : public Component, public SolidBody {
   // The step: where it began, and what is known at the guess.
   bool in_step_ = false;
   VecX start_x_, start_v_;
-  VecX elastic_force_;  ///< N
-  VecX missing_;        ///< momentum due there, without constraint forces and reactions (N s)
-  VecX linearised_at_;  ///< positions at which A_ was made
-  VecX free_change_;    ///< of the velocity, to the free motion (m/s)
+  VecX elastic_force_;      ///< N
+  VecX missing_;            ///< momentum due there, without constraint forces and reactions (N s)
+  VecX linearised_at_;      ///< positions at which A_ was made
+  Real assembled_for_ = 0;  ///< and the length of the step (s)
+  VecX change_;             ///< of the velocity, that answers it (m/s)
 
   // Caches.
   VecX rest_;

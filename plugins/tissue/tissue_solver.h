@@ -44,6 +44,9 @@ class TissueSolver {
   /// rotation of the material around each node, from rest to now: the polar factor of the mean
   /// deformation gradient of the elements around it, weighted by volume.
   virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) = 0;
+  /// The next matrix has little to do with the last one (another length of step): what was made of
+  /// older ones is of no use.
+  virtual void renew() {}
   /// columns <- A^-1 columns to the tolerance of the solver; fixed nodes answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) = 0;
   virtual Index nodes() const = 0;

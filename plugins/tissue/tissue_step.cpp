@@ -55,7 +55,7 @@ void Tissue::begin_step(const StepContext& context) {
 }
 
 /// A and f at the guess.
-void Tissue::linearise(const StepContext& context) {
+void Tissue::assemble(const StepContext& context) {
   const Real h = context.dt;
   A_->set_zero();
   elastic_force_.setZero();
@@ -65,6 +65,8 @@ void Tissue::linearise(const StepContext& context) {
   if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
   ++linearisations_;
   if (solver_->wants_rotations()) update_node_rotations();
+  if (h != assembled_for_) solver_->renew();
+  assembled_for_ = h;
   solver_->prepare(*A_, node_rotations_, context.step);
 }
 
@@ -91,15 +93,15 @@ Real Tissue::moved_since_linearised() const {
   return std::sqrt(most);
 }
 
-void Tissue::free_motion(const StepContext& context) {
+void Tissue::linearise(const StepContext& context, const VecX& force) {
   // A turns with the material: as long as nothing has moved by much of an element it may stay.
   constexpr Real small = 0.02;  // of the mean edge
   if (linearisations_ == 0 || !(moved_since_linearised() < small * edge_length_)) {
-    linearise(context);
+    assemble(context);
     balance(context);
   }
-  free_change_ = missing_;
-  solver_->solve(free_change_);
+  change_ = missing_ + context.dt * force;
+  solver_->solve(change_);
 }
 
 void Tissue::solve(Eigen::Ref<MatX> columns) const {
@@ -110,11 +112,11 @@ void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) c
   add_tissue_compliance(*solver_, rows, dt, W);
 }
 
-void Tissue::correct(const StepContext& context, const VecX& force) {
+void Tissue::correct(const StepContext& context, const VecX& force_change) {
   const Real h = context.dt;
-  v_ += free_change_;
-  if (!force.isZero(0)) {
-    rhs_ = h * force;
+  v_ += change_;
+  if (!force_change.isZero(0)) {
+    rhs_ = h * force_change;
     solver_->solve(rhs_);
     v_ += rhs_;
   }
@@ -142,7 +144,7 @@ Imbalance Tissue::imbalance(const StepContext& context, const VecX& force) {
     inertia += (mass_[i] / h * (v_ - start_v_).segment<3>(3 * i)).squaredNorm();
   }
   const Real at_work = std::sqrt(std::max({pushed, weight, inertia, reaction}));
-  const Real rounding = 1e-12 * young * edge_length_ * edge_length_;
+  const Real rounding = 1e-9 * young * edge_length_ * edge_length_;
   worst.relative = std::sqrt(missing) / (at_work + rounding);
   return worst;
 }

@@ -15,7 +15,7 @@ class GaussSeidel : public Component, public ConstraintSolver {
   ComplianceForm compliance_form() const override { return compliance_; }
 
  private:
-  Real tolerance_ = 1e-5;
+  Real tolerance_ = 1e-9;
   Index sweeps_ = 1000;
   Index seed_ = 1;
   Acceleration acceleration_ = Acceleration::subspace;

@@ -68,6 +68,12 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     build(context, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
+    if (getenv("SDBG")) {
+      fprintf(stderr, "step %ld dt %.3g pass %ld viol %.2e events %ld", (long)context.step,
+              context.dt, (long)context.pass, violation_, (long)events);
+      for (auto& i : imbalance_) fprintf(stderr, "  %.2e (%.2e N)", i.relative, i.force);
+      fprintf(stderr, " gs %ld %.1e\n", (long)report_.solve.sweeps, report_.solve.residual);
+    }  // DBG
     if (!std::isfinite(violation_)) return false;
     if (!balanced || context.pass < least) continue;
     // What cannot be undone happens on forces that have been verified, all that is due at once.
@@ -81,11 +87,13 @@ bool Simulation::balance(StepContext context, Timer& timer) {
 
 /// One linearisation of everything about the present guess, and the next guess.
 void Simulation::pass(const StepContext& context, Timer& timer) {
-  // Every body alone: A dv = what its balance lacks without constraints.
-  timer.enter(Stage::free_motion);
+  // Every body alone: A dv = what its balance lacks under the present forces; where that leads the
+  // gaps.
+  timer.enter(Stage::linearise);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    bodies_[i].body->free_motion(context);
-    problem_.bodies[i].add_product(context.dt * bodies_[i].body->free_change(), problem_.d_free);
+    constraint_force(i);
+    bodies_[i].body->linearise(context, body_force_[i]);
+    problem_.bodies[i].add_product(context.dt * bodies_[i].body->change(), problem_.d_free);
   }
 
   // W = h^2 H A^-1 H^T: assembled, or an operator where the body is a chain and that is cheaper.
@@ -95,19 +103,28 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
 
   // lambda and the state of every block.
   timer.enter(Stage::solve);
+  law_check_->begin(problem_);
   problem_.hold_events = true;
   const Index events = report_.solve.events;
+  lambda_before_ = problem_.lambda;
   report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
   report_.solve.events = events;
-  law_check_->note(problem_);
 
-  // The next guess: dv += h A^-1 H^T lambda.
+  // The next guess: dv += h A^-1 H^T (lambda - lambda before).
   timer.enter(Stage::correct);
+  problem_.lambda.swap(lambda_before_);
+  problem_.lambda = lambda_before_ - problem_.lambda;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    body_force_[i].setZero(bodies_[i].body->dofs());
-    problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
+    constraint_force(i);
     bodies_[i].body->correct(context, body_force_[i]);
   }
+  problem_.lambda.swap(lambda_before_);
+}
+
+/// body_force_ of one body <- H^T lambda.
+void Simulation::constraint_force(std::size_t body) {
+  body_force_[body].setZero(bodies_[body].body->dofs());
+  problem_.bodies[body].add_transposed(problem_.lambda, body_force_[body]);
 }
 
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
@@ -129,8 +146,7 @@ bool Simulation::measure(const StepContext& context) {
   violation_ = law_check_->measure(problem_).violation;
   bool good = violation_ <= limits.gap_tolerance;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    body_force_[i].setZero(bodies_[i].body->dofs());
-    problem_.bodies[i].add_transposed(problem_.lambda, body_force_[i]);
+    constraint_force(i);
     imbalance_[i] = bodies_[i].body->imbalance(context, body_force_[i]);
     good = good && imbalance_[i].relative <= limits.tolerance;
     violation_ += 0 * imbalance_[i].relative;  // not finite if any is

@@ -18,7 +18,7 @@ enum class Acceleration {
 };
 
 struct GaussSeidelOptions {
-  Real tolerance = 1e-5;   ///< of the law residual, in units of the blocks
+  Real tolerance = 1e-9;   ///< of the law residual, in units of the blocks
   Index sweeps = 1000;     ///< budget
   std::uint64_t seed = 1;  ///< of the order of blocks
   Acceleration acceleration = Acceleration::subspace;

@@ -4,8 +4,12 @@
 
 namespace sutura {
 
-void LawCheck::note(const ConstraintProblem& problem) {
+void LawCheck::begin(ConstraintProblem& problem) {
   compliance_.prepare(problem);
+  d_free_ = problem.d_free;
+  problem.d_free.setZero();
+  compliance_.update_delta(problem);
+  problem.d_free = d_free_ - problem.delta;
   known_.clear();
   diagonal_.clear();
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {

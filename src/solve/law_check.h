@@ -12,8 +12,9 @@ namespace sutura {
 
 class LawCheck {
  public:
-  /// Remembers the diagonal block of W of every block, by key.
-  void note(const ConstraintProblem& problem);
+  /// Remembers the diagonal block of W of every block, by key; d_free -= W lambda: the bodies have
+  /// moved under lambda already, and the laws are to be solved for the whole of it.
+  void begin(ConstraintProblem& problem);
   /// Of problem.delta and problem.lambda as they are; fills in the violation of each block. A block
   /// that `note` has not seen counts with the compliance that its units make.
   Residual measure(ConstraintProblem& problem);
@@ -27,6 +28,7 @@ class LawCheck {
   Compliance compliance_;
   std::vector<Known> known_;  ///< sorted by key
   std::vector<Real> diagonal_;
+  VecX d_free_;
 };
 
 }  // namespace sutura

@@ -12,7 +12,7 @@ TEST(Step, AsksInTheOrderOfTheStages) {
   log().clear();
   w.simulation->step();
   // One pass: everything here is linear.
-  EXPECT_EQ(log(), (Log{"drive /c", "detect /p", "build /p", "free_motion /m", "correct /m",
+  EXPECT_EQ(log(), (Log{"drive /c", "detect /p", "build /p", "linearise /m", "correct /m",
                         "detect /p", "build /p", "commit /p"}));
 }
 

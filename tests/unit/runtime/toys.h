@@ -38,7 +38,7 @@ class Mass : public Component, public Body {
   Index fails_at = -1;
   bool forgetful = false;
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), start_x = Vec3::Zero(), start_v = Vec3::Zero();
-  VecX change = VecX::Zero(3);  ///< of the velocity, to the free motion
+  VecX motion = VecX::Zero(3);  ///< change of the velocity to the next guess
   bool in_step = false;
   Index step = 0;
 
@@ -59,11 +59,11 @@ class Mass : public Component, public Body {
     v = start_v;
     x = start_x + c.dt * v;
   }
-  void free_motion(const StepContext& c) override {
-    note("free_motion", *this);
-    change = start_v - v + c.dt * c.gravity;
+  void linearise(const StepContext& c, const VecX& force) override {
+    note("linearise", *this);
+    motion = start_v - v + c.dt * (c.gravity + force);
   }
-  Eigen::Ref<const VecX> free_change() const override { return change; }
+  Eigen::Ref<const VecX> change() const override { return motion; }
   Vec3 position(const EmbeddedPoint&, Configuration c) const override {
     return c == Configuration::start ? start_x : x;
   }
@@ -74,9 +74,9 @@ class Mass : public Component, public Body {
     out.coefficients = Mat3::Identity();
   }
   void solve(Eigen::Ref<MatX>) const override {}  // A = 1 kg
-  void correct(const StepContext& c, const VecX& force) override {
+  void correct(const StepContext& c, const VecX& force_change) override {
     note("correct", *this);
-    v += change + c.dt * force;
+    v += motion + c.dt * force_change;
     x = start_x + c.dt * v;
   }
   Imbalance imbalance(const StepContext& c, const VecX& force) override {

@@ -38,8 +38,8 @@ class Curve : public Component, public CurveBody {
   Index dofs() const override { return 6; }
   int width() const override { return 6; }
   void begin_step(const StepContext&) override {}
-  void free_motion(const StepContext&) override {}
-  Eigen::Ref<const VecX> free_change() const override { return no_change_; }
+  void linearise(const StepContext&, const VecX&) override {}
+  Eigen::Ref<const VecX> change() const override { return no_change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
     return point(p.weights[0], c);
   }
