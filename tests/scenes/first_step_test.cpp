@@ -1,4 +1,5 @@
-// The first step of a scene costs like any other: what it needs is made before, in `ready`.
+// The first step of a scene costs like any other: what it needs is made before, in `ready`. Counted
+// per pass, because a scene that is let go takes more passes until it has come to rest.
 #include <gtest/gtest.h>
 #include <time.h>
 
@@ -30,7 +31,7 @@ double now() {
 
 class EveryTask : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(EveryTask, FirstStepTakesAtMostTwiceTheMedian) {
+TEST_P(EveryTask, FirstPassesTakeAtMostTwiceTheMedian) {
   const fs::path file = fs::path(SUTURA_SOURCE_DIR "/scenes/suture") / (GetParam() + ".xml");
   double best = std::numeric_limits<double>::infinity();
   // Caches are still shared with other programs: the best of three counts.
@@ -40,8 +41,8 @@ TEST_P(EveryTask, FirstStepTakesAtMostTwiceTheMedian) {
     std::vector<double> seconds;
     for (int i = 0; i < 41; ++i) {
       const double before = now();
-      run.simulation().step();
-      seconds.push_back(now() - before);
+      const StepReport& report = run.simulation().step();
+      seconds.push_back((now() - before) / static_cast<double>(report.passes));
     }
     const double first = seconds.front();
     std::nth_element(seconds.begin(), seconds.begin() + 20, seconds.end());
