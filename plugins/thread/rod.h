@@ -99,8 +99,8 @@ class Rod {
   void correct(const Dofs& force_change);
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Dofs& force) const;
-  /// The guess is the end of the step.
-  void end_step();
+  /// The guess is the end of the step, which had this force of constraints.
+  void end_step(const Dofs& force);
   /// A whole step under `force` alone, in passes until its relative imbalance is below `tolerance`.
   /// Returns the passes, 0 if they did not get there.
   Index advance(Real dt, const Vec3& gravity, const Dofs& force, Real tolerance = 1e-9);
@@ -141,6 +141,7 @@ class Rod {
 
  private:
   void take_guess(bool inertia);
+  void keep_lengths();
   void evaluate_guess();
   void add_beam_balance(Index e);
   void add_spring_balance();
@@ -168,6 +169,7 @@ class Rod {
 
   // The step: where it began, and what is known at the guess.
   bool in_step_ = false;
+  bool pushed_ = false;  ///< by constraints, in the last step
   Real dt_ = 0;
   Vec3 gravity_ = Vec3::Zero();
   std::vector<Pose> start_;

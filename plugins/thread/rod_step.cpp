@@ -29,16 +29,48 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
   if (largest_turn(start_, answer_) < turn_limit) take_guess(true);
 }
 
-/// The guess: no motion at all, or that of the step before with the fall of this one.
+/// The guess: no motion at all, or that of the step before; a rod that nothing holds also falls.
 void Rod::take_guess(bool inertia) {
   velocity_.setZero();
   if (inertia) {
     velocity_ = start_velocity_;
-    if (clamped_.empty())
-      for (Index i = 0; i < nodes(); ++i) velocity_.segment<3>(6 * i) += dt_ * gravity_;
+    const bool held =
+        pushed_ || !clamped_.empty() ||
+        std::any_of(springs_.begin(), springs_.end(), [](const NodeSpring& s) { return s.active; });
+    for (Index i = 0; i < nodes() && !held; ++i) velocity_.segment<3>(6 * i) += dt_ * gravity_;
+    keep_lengths();
   }
   move(start_, start_twist_, velocity_, dt_, pose_, twist_);
   evaluate_guess();
+}
+
+/// Straight on, nodes of a turning beam drift apart: by theta^2/2 of its length, times EA. So the
+/// guess turns the beams as the velocities say and joins them again, where they are held or else
+/// where they are on the whole.
+void Rod::keep_lengths() {
+  Vec3 end = start_[0].position + dt_ * velocity_.segment<3>(0);  // of the beams joined so far
+  Vec3 rate = velocity_.segment<3>(0);
+  Vec3 drift = Vec3::Zero();  // sum over the nodes
+  Index anchor = -1;
+  for (const NodeSpring& s : springs_)
+    if (s.active && anchor < 0) anchor = s.node;
+  if (!clamped_.empty()) anchor = clamped_.front();
+  Vec3 at_anchor = Vec3::Zero();
+  for (Index e = 0; e < beams(); ++e) {
+    const Vec3 chord = start_[e + 1].position - start_[e].position;
+    const Vec3 next = velocity_.segment<3>(6 * e + 6), change = next - rate;
+    const Real squared = chord.squaredNorm();
+    const Vec3 turn = dt_ / squared * chord.cross(change);
+    const Real stretch = 1 + dt_ / squared * chord.dot(change);
+    end += stretch * (rotated(Quat::Identity(), turn) * chord);
+    rate = next;
+    const Vec3 off = end - start_[e + 1].position - dt_ * next;
+    drift += off;
+    if (e + 1 == anchor) at_anchor = off;
+    velocity_.segment<3>(6 * e + 6) += off / dt_;
+  }
+  const Vec3 back = (anchor < 0 ? Vec3(drift / static_cast<Real>(nodes())) : at_anchor) / dt_;
+  for (Index i = 0; i < nodes(); ++i) velocity_.segment<3>(6 * i) -= back;
 }
 
 /// states_, missing_ and at_work_ at the guess.
@@ -247,7 +279,8 @@ Imbalance Rod::imbalance(const Dofs& force) const {
   return worst;
 }
 
-void Rod::end_step() {
+void Rod::end_step(const Dofs& force) {
+  pushed_ = force.size() > 0 && !force.isZero(0);
   for (NodeSpring& spring : springs_)
     if (spring.active) spring.applied = spring_wrench(spring);
   in_step_ = false;
@@ -264,7 +297,7 @@ Index Rod::advance(Real dt, const Vec3& gravity, const Dofs& force, Real toleran
     if (!(imbalance(force).relative > tolerance)) break;
   }
   const bool balanced = imbalance(force).relative <= tolerance;
-  end_step();
+  end_step(force);
   return balanced ? passes : 0;
 }
 

@@ -142,8 +142,8 @@ Imbalance SutureThread::imbalance(const StepContext&, const VecX& force) {
   return factored_ ? rod_.imbalance(force) : Imbalance{none, none};
 }
 
-void SutureThread::end_step(const StepContext&, const VecX&) {
-  rod_.end_step();
+void SutureThread::end_step(const StepContext&, const VecX& force) {
+  rod_.end_step(force);
   if (sampling_angle > 0) resample();
 }
 

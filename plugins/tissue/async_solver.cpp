@@ -32,7 +32,6 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   rotations_.assign(rotations.begin(), rotations.end());
   step_ = step;
   jacobi_ready_ = false;
-  has_answer_ = false;
   recent_.matrix_changed();
   const Index failed = report_.failed_factors, adopted = report_.adopted_at;
   report_ = {};
@@ -163,21 +162,16 @@ const Preconditioner& AsyncSolver::preconditioner() {
   return jacobi_;
 }
 
-void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
+void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   assert(A_);
-  // The check of a compliance and the correction after it ask for the same column.
   const bool single = columns.cols() == 1;
-  if (single && has_answer_ && asked_ == columns.col(0)) {
-    columns.col(0) = answered_;
-    return;
-  }
-  if (single) {
-    has_answer_ = false;
-    asked_ = columns.col(0);
-  }
+  if (single) asked_ = columns.col(0);
   MatX& x = single ? single_x_ : x_;  // each keeps its memory
   const bool started = single && recent_.start(*A_, fixed_, asked_, x);
-  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, options_.tolerance,
+  const Real size = columns.norm();
+  const Real tolerance =
+      size > 0 ? std::clamp(enough / size, options_.tolerance, Real(0.5)) : options_.tolerance;
+  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance,
                            options_.max_iterations, started);
   report_.iterations += r.iterations;
   last_iterations_ = std::max(last_iterations_, r.iterations);
@@ -185,8 +179,7 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   if (!r.converged && older && factorise_here()) {
     report_.complain(
         "the older factor was too poor: the matrix of the step was factorised at once");
-    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, options_.tolerance,
-                   options_.max_iterations);
+    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance, options_.max_iterations);
     report_.iterations += r.iterations;
   }
   report_.residual = std::max(report_.residual, r.residual);
@@ -198,7 +191,6 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns) {
   columns = x;
   if (single) {
     answered_ = x.col(0);
-    has_answer_ = true;
     recent_.add(*A_, fixed_, answered_);
   }
 }

@@ -50,7 +50,7 @@ class AsyncSolver : public TissueSolver {
   bool wants_rotations() const override { return true; }
   void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
   void renew() override { renew_ = true; }
-  void solve(Eigen::Ref<MatX> columns) override;
+  void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
   Index nodes() const override { return pattern_->nodes(); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
@@ -101,7 +101,6 @@ class AsyncSolver : public TissueSolver {
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;
   MatX x_, single_x_;
-  bool has_answer_ = false;
   VecX asked_, answered_;  ///< the last single right-hand side of the step and its solution
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;

@@ -43,7 +43,7 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   if (!ok_) report_.complain("the matrix is not positive definite: conjugate gradients instead");
 }
 
-void SynchronousSolver::solve(Eigen::Ref<MatX> columns) {
+void SynchronousSolver::solve(Eigen::Ref<MatX> columns, Real) {
   assert(A_);
   if (ok_) {
     x_ = columns;

@@ -21,7 +21,7 @@ class SynchronousSolver : public TissueSolver {
                std::span<const Index> candidates) override;
   bool wants_rotations() const override { return false; }
   void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
-  void solve(Eigen::Ref<MatX> columns) override;
+  void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
   Index nodes() const override { return static_cast<Index>(place_.size()); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];

@@ -92,6 +92,8 @@ void Tissue::archive(Archive& a) {
   a("velocities", v_);
   a("reaction", reaction_);
   a("linearisations", linearisations_);
+  a("assembled_for", assembled_for_);  // another length of step renews the factor
+  a("at_work", at_work_);              // how well the first pass has to be solved
   if (own_solver_) own_solver_->archive(a);
   if (!a.restoring() || !a.ok()) return;
   if (x_.size() != size || v_.size() != size || reaction_.size() != size)

@@ -96,6 +96,7 @@ class Tissue : public Component, public SolidBody {
   void update_materials();
   void assemble(const StepContext& context);
   void balance(const StepContext& context);
+  void solve_what_matters(const StepContext& context, VecX& momentum);
   Real moved_since_linearised() const;
   void move_queries(Configuration c, const VecX& x);
   void update_node_rotations();
@@ -117,6 +118,7 @@ class Tissue : public Component, public SolidBody {
   VecX missing_;            ///< momentum due there, without constraint forces and reactions (N s)
   VecX linearised_at_;      ///< positions at which A_ was made
   Real assembled_for_ = 0;  ///< and the length of the step (s)
+  Real at_work_ = 0;        ///< size of the forces there, when last measured (N)
   VecX change_;             ///< of the velocity, that answers it (m/s)
 
   // Caches.

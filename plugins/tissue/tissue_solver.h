@@ -47,8 +47,9 @@ class TissueSolver {
   /// The next matrix has little to do with the last one (another length of step): what was made of
   /// older ones is of no use.
   virtual void renew() {}
-  /// columns <- A^-1 columns to the tolerance of the solver; fixed nodes answer zero.
-  virtual void solve(Eigen::Ref<MatX> columns) = 0;
+  /// columns <- A^-1 columns to the tolerance of the solver, or until |b - A x| <= enough; fixed
+  /// nodes answer zero.
+  virtual void solve(Eigen::Ref<MatX> columns, Real enough = 0) = 0;
   virtual Index nodes() const = 0;
   virtual bool is_fixed(Index node) const = 0;
   /// Constraints touch these nodes: their compliance will probably be asked for in the next steps.

@@ -57,6 +57,18 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   for (const NamedBody& b : bodies_) b.body->begin_step(context);
   build(context, timer);
 
+  if (getenv("SDBG")) {
+    measure(context);
+    fprintf(stderr, "step %ld guess viol %.2e", (long)context.step, violation_);
+    for (auto& i : imbalance_) fprintf(stderr, "  %.2e (%.2e N)", i.relative, i.force);
+    const ConstraintBlock* w = nullptr;
+    for (auto& b : problem_.blocks)
+      if (!w || b.violation > w->violation) w = &b;
+    if (w)
+      fprintf(stderr, " worst %s %ld lam %.3g mode %d", w->law->name,
+              (long)(w - problem_.blocks.data()), problem_.lambda[w->first_row], (int)w->mode);
+    fprintf(stderr, "\n");
+  }
   Index least = 1;
   for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
   const Index most = std::max(least, scene_->limits.passes);
@@ -72,6 +84,14 @@ bool Simulation::balance(StepContext context, Timer& timer) {
       fprintf(stderr, "step %ld dt %.3g pass %ld viol %.2e events %ld", (long)context.step,
               context.dt, (long)context.pass, violation_, (long)events);
       for (auto& i : imbalance_) fprintf(stderr, "  %.2e (%.2e N)", i.relative, i.force);
+      {
+        const ConstraintBlock* w = nullptr;
+        for (auto& b : problem_.blocks)
+          if (!w || b.violation > w->violation) w = &b;
+        if (w)
+          fprintf(stderr, " worst %s %ld lam %.3g mode %d", w->law->name,
+                  (long)(w - problem_.blocks.data()), problem_.lambda[w->first_row], (int)w->mode);
+      }
       fprintf(stderr, " gs %ld %.1e\n", (long)report_.solve.sweeps, report_.solve.residual);
     }  // DBG
     if (!std::isfinite(violation_)) return false;
