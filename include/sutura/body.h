@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -92,6 +93,16 @@ class Body {
   virtual Index dofs() const = 0;
   virtual int width() const = 0;
 
+  /// Loads of the step (N, N m; one per dof). Drivers add to it in stage inputs, before which the
+  /// step empties it; the body feels it as a force that keeps its direction during the step.
+  VecX& load() { return load_; }
+  const VecX& load() const { return load_; }
+  /// Whether the scene asks for `settle`: called once, before the first step and after the drivers
+  /// have spoken for time 0. It moves the body into balance under its weight, loads and holds, at
+  /// rest; what it could not do, as a sentence.
+  virtual bool wants_settling() const { return false; }
+  virtual std::string settle(const Vec3& /*gravity*/) { return {}; }
+
   /// Begins a step of length context.dt where the last one ended: makes a first guess. Called again
   /// before `end_step` it begins the same step anew, with another length.
   virtual void begin_step(const StepContext& context) = 0;
@@ -130,6 +141,10 @@ class Body {
   /// Linear momentum (kg m/s) and mass (kg), for balance checks.
   virtual Vec3 momentum() const = 0;
   virtual Real mass() const = 0;
+  /// m, at the current state; not a number if the body does not say.
+  virtual Vec3 centre_of_mass() const {
+    return Vec3::Constant(std::numeric_limits<Real>::quiet_NaN());
+  }
   /// Kinetic plus elastic energy (J) at the current state; gravity excluded.
   virtual Real energy() const = 0;
   /// False as soon as any coordinate is not finite.
@@ -138,6 +153,9 @@ class Body {
   virtual std::string trouble() const { return {}; }
 
   virtual BodyGeometry geometry() const = 0;
+
+ private:
+  VecX load_;
 };
 
 /// A point of the boundary of a solid.
@@ -171,6 +189,9 @@ class SolidBody : public Body {
   virtual Vec3 surface_normal(Index triangle, Configuration c) const = 0;
   /// Region tag of the mesh (layer).
   virtual int region(const EmbeddedPoint& p) const = 0;
+  /// The tag of a region given by name or number, or nothing and a sentence that says what there
+  /// is. A solid that cannot tell takes every number.
+  virtual std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const;
   virtual Elasticity elasticity(const EmbeddedPoint&) const { return {}; }
 };
 

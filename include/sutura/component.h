@@ -3,8 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "sutura/diagnostics.h"
 #include "sutura/types.h"
@@ -14,6 +18,7 @@ namespace sutura {
 struct ComponentInfo;
 class Archive;
 class Component;
+class Scene;
 
 /// Handed to Component::initialise: the settings of the scene and a place to complain.
 struct Setup {
@@ -23,8 +28,31 @@ struct Setup {
   Real dt = 0.01;                          ///< s
   Vec3 gravity = Vec3::Zero();             ///< m/s^2
   Index source_id = 0;                     ///< unique per component, for constraint keys
+  const Scene* scene = nullptr;            ///< for components that name others in a text (probes)
+  bool allow_outside = false;              ///< files outside of the folders of scene and results
+  std::size_t errors_before = 0;           ///< in `diagnostics`, when this component began
+
+  /// What is written: names in the output folder. A folder's files are its `pattern`.
+  struct Claim {
+    std::string owner;
+    std::string pattern;
+  };
+  std::map<std::string, Claim> claims = {};
+
+  /// False once this component has complained. Errors of others are none of its business.
+  bool ok() const { return diagnostics.errors() == errors_before; }
 
   std::filesystem::path resolve(const std::string& file) const;
+  /// A note if the file lies neither in the folder of the scene nor in one beside it.
+  void note_if_outside(const Component& who, const std::string& file);
+  /// "; did you mean 'meshes/pad.msh'?" for a file that does not exist, or nothing.
+  std::string did_you_mean_file(const std::string& file) const;
+  /// Where `who` may write the file that its `attribute` names. Nothing after an error: the name is
+  /// empty, leads out of the output folder, or is another component's. With a pattern ("*.vtu") the
+  /// name is a folder.
+  std::optional<std::filesystem::path> output(const Component& who, const std::string& attribute,
+                                              const std::string& name,
+                                              const std::string& pattern = {});
   void error(const Component& who, std::string message, Category category = Category::scene);
   void warning(const Component& who, std::string message, Category category = Category::scene);
 };
@@ -52,6 +80,8 @@ class Component {
   const std::string& path() const { return path_; }  ///< "/skin/tissue"
   const SourceLocation& location() const { return location_; }
   const ComponentInfo& info() const { return *info_; }
+  /// Whether the scene says this attribute itself: what it says wins over what is looked up.
+  bool says(std::string_view attribute) const;
 
  private:
   friend class SceneBuilder;
@@ -59,6 +89,7 @@ class Component {
   std::string path_;
   SourceLocation location_;
   const ComponentInfo* info_ = nullptr;
+  std::vector<std::string> said_;  ///< names of the attributes in the scene
 };
 
 /// A reference to another component, by interface. Written as a path in XML; left out, it means

@@ -85,6 +85,7 @@ struct LinkInfo {
   std::string target;  ///< name of the interface, for messages and docs
   std::string doc;
   bool is_optional = false;
+  bool is_named_only = false;
   std::function<bool(Component& candidate)> accepts;
   std::function<void(Component& owner, Component& target)> assign;
 
@@ -92,6 +93,11 @@ struct LinkInfo {
   /// candidate in reach is still an error.
   LinkInfo& optional() {
     is_optional = true;
+    return *this;
+  }
+  /// Left out in the text, the link stays empty, whatever is in reach.
+  LinkInfo& named_only() {
+    is_optional = is_named_only = true;
     return *this;
   }
 };

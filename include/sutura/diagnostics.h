@@ -16,8 +16,9 @@ struct SourceLocation {
 
 enum class Severity { warning, error };
 
-/// Decides the exit code of the command (docs/command.md).
-enum class Category { scene = 2, file = 3, plugin = 6 };
+/// Decides the exit code of the command (docs/command.md). Internal: a component broke its
+/// promises.
+enum class Category { scene = 2, file = 3, plugin = 6, internal = 70 };
 
 struct Diagnostic {
   Severity severity = Severity::error;
@@ -48,8 +49,11 @@ class Diagnostics {
   std::size_t errors_ = 0;
 };
 
-/// The candidate with the smallest edit distance to `name`, or empty if none is close enough
-/// (more than a third of the letters would have to change).
+/// The candidate that was probably meant by `name`, or empty: the same name spelt another way, the
+/// word of another program for it, the nearest by spelling (at most a third of the letters wrong),
+/// or one that is part of the other.
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates);
+/// "; did you mean 'tissue'?", to end a message with, or nothing.
+std::string did_you_mean(std::string_view name, std::span<const std::string> candidates);
 
 }  // namespace sutura

@@ -23,6 +23,7 @@ struct RunOptions {
   /// Simulated time between two states written to `checkpoint_file(output)` (s); 0: none.
   Real checkpoint_every = 0;
   std::filesystem::path resume = {};  ///< a state to go on from; empty: from the beginning
+  bool allow_outside = false;         ///< the scene may name files outside of `output`
 };
 
 /// The only file of states in a folder: each one replaces the one before.

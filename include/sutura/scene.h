@@ -79,7 +79,8 @@ std::unique_ptr<Scene> load_scene(const std::filesystem::path& file, Registry& r
 std::unique_ptr<Scene> load_scene_text(std::string_view text, const std::string& name,
                                        const std::filesystem::path& directory, Registry& registry,
                                        Diagnostics& diagnostics, const LoadOptions& options = {});
-/// XML that loads to the same scene: every attribute that differs from its default, every link.
+/// XML that loads to the same scene: every attribute that the scene gave or that differs from its
+/// default, every link.
 std::string write_scene(const Scene& scene);
 
 }  // namespace sutura

@@ -64,11 +64,14 @@ class Driver {
  public:
   static constexpr const char* interface_name = "Driver";
   virtual ~Driver() = default;
+  /// Once per step, or per part of a step that was divided; and once before the first one, with a
+  /// step of no length, where a body settles.
   virtual void drive(const StepContext& context) = 0;
 };
 
 class Simulation;
 class ComplianceStage;
+class OutputFolder;
 class LawCheck;
 template <std::size_t>
 class StageTimer;
@@ -90,15 +93,16 @@ class Recorder {
 class Simulation {
  public:
   /// Initialises the components in the order of their links. Nothing if there is any error.
+  /// `allow_outside`: components may write files outside of the output folder.
   static std::unique_ptr<Simulation> compile(std::unique_ptr<Scene> scene,
                                              const std::filesystem::path& output_directory,
-                                             Diagnostics& diagnostics);
+                                             Diagnostics& diagnostics, bool allow_outside = false);
   ~Simulation();
 
   /// One time step. Never throws; what went wrong is in the report.
   const StepReport& step();
-  /// Opens the files of recorders and records the initial state; closes them. Error sentence or
-  /// empty.
+  /// Takes the output folder (one run owns it; what the run before wrote there is removed), opens
+  /// the files of recorders and records the initial state; closes them. Error sentence or empty.
   std::string start_recording();
   std::string finish_recording();
   /// Instead of start_recording, after `restore`: the files are cut back to that step and go on.
@@ -133,6 +137,7 @@ class Simulation {
  private:
   Simulation();
   void archive_run(Archive& archive);
+  bool settle(Diagnostics& diagnostics);
   using Timer = StageTimer<stage_names.size()>;
   void begin_report();
   bool balance(StepContext context, Timer& timer);
@@ -151,6 +156,9 @@ class Simulation {
   ConstraintProblem problem_;
   std::unique_ptr<ConstraintBuilder> builder_;
   std::unique_ptr<ComplianceStage> compliance_;
+  std::filesystem::path output_directory_;
+  std::vector<std::string> written_files_;  ///< relative to the folder, with patterns
+  std::unique_ptr<OutputFolder> output_;    ///< from start_recording to finish_recording
   std::unique_ptr<LawCheck> law_check_;
   std::vector<const Body*> const_bodies_;
   std::vector<VecX> body_force_;      ///< of the constraints, per body (N, N m)

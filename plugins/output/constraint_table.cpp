@@ -25,8 +25,7 @@ void ConstraintTable::describe(Describe<ConstraintTable>& d) {
 }
 
 void ConstraintTable::initialise(Setup& setup) {
-  directory_ = setup.output_directory;
-  if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as constraints.csv");
+  if (const auto place = setup.output(*this, "file", file_)) path_of_file_ = *place;
 }
 
 void ConstraintTable::archive(Archive& a) {
@@ -48,19 +47,12 @@ std::string ConstraintTable::append(std::string_view text) {
 std::string ConstraintTable::resume(const Simulation& simulation) {
   if (end_ == 0) return start(simulation);
   find_sources(simulation);
-  return out_.resume(directory_ / file_, end_);
+  return out_.resume(path_of_file_, end_);
 }
 
 std::string ConstraintTable::start(const Simulation& simulation) {
   find_sources(simulation);
-  for (const Component* other : simulation.scene().components()) {
-    if (other == this) break;
-    const auto* table = dynamic_cast<const ConstraintTable*>(other);
-    if (table != nullptr && table->file_ == file_)
-      return path() + " would overwrite '" + file_ + "' of " + other->path() +
-             "; expected another 'file'";
-  }
-  if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
+  if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
   return append(
       "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y "
       "[N],force.z [N],violation [m]\n");

@@ -29,7 +29,7 @@ class ConstraintTable : public Component, public Recorder {
   std::string file_ = "constraints.csv";
   Index every_ = 1;
 
-  std::filesystem::path directory_;
+  std::filesystem::path path_of_file_;
   OutputFile out_;
   std::int64_t end_ = 0;              ///< bytes of the file so far
   std::vector<std::string> sources_;  ///< paths of the components, as CSV fields, in document order

@@ -58,53 +58,36 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
 }
 
 void CsvProbe::initialise(Setup& setup) {
-  directory_ = setup.output_directory;
-  if (file_.empty()) setup.error(*this, "'file' is empty; expected a name such as probe.csv");
+  columns_.clear();
+  std::istringstream names(columns_text_);
+  for (std::string name; names >> name;) {
+    std::string error;
+    if (const OutputHandle output = setup.scene->output(name, error))
+      columns_.push_back({name.substr(name.front() == '/' ? 1 : 0), output});
+    else
+      setup.error(*this, "columns: " + error);
+  }
+  if (const auto place = setup.output(*this, "file", file_)) path_of_file_ = *place;
 }
 
 void CsvProbe::archive(Archive& a) {
   a("end", end_);
 }
 
-/// Finds the columns. An error sentence, or empty.
-std::string CsvProbe::find_columns(const Simulation& simulation, std::string& header) {
-  columns_.clear();
-  std::istringstream names(columns_text_);
-  header = "step,time [s]";
-  for (std::string name; names >> name;) {
-    std::string error;
-    const OutputHandle column = simulation.scene().output(name, error);
-    if (!column) return path() + ": " + error;
-    columns_.push_back(column);
-    const std::string unit = column.info->unit.empty() || column.info->unit == "1"
-                                 ? std::string()
-                                 : " [" + column.info->unit + "]";
-    header += std::visit(HeaderOf{name.substr(name.front() == '/' ? 1 : 0), unit}, column.read());
+std::string CsvProbe::start(const Simulation&) {
+  std::string header = "step,time [s]";
+  for (const Column& c : columns_) {
+    const std::string& unit = c.output.info->unit;
+    const HeaderOf header_of{c.name, unit.empty() || unit == "1" ? "" : " [" + unit + "]"};
+    header += std::visit(header_of, c.output.read());
   }
   if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
-  return {};
-}
-
-std::string CsvProbe::start(const Simulation& simulation) {
-  std::string header;
-  if (std::string error = find_columns(simulation, header); !error.empty()) return error;
-  for (const Component* other : simulation.scene().components()) {
-    if (other == this) break;
-    const auto* probe = dynamic_cast<const CsvProbe*>(other);
-    if (probe != nullptr && probe->file_ == file_) {
-      return path() + " would overwrite '" + file_ + "' of " + other->path() +
-             "; expected another 'file'";
-    }
-  }
-  if (std::string error = out_.open(directory_ / file_); !error.empty()) return error;
+  if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
   return append(header + "\n");
 }
 
 std::string CsvProbe::resume(const Simulation& simulation) {
-  if (end_ == 0) return start(simulation);
-  std::string header;
-  if (std::string error = find_columns(simulation, header); !error.empty()) return error;
-  return out_.resume(directory_ / file_, end_);
+  return end_ == 0 ? start(simulation) : out_.resume(path_of_file_, end_);
 }
 
 std::string CsvProbe::append(std::string_view text) {
@@ -116,7 +99,7 @@ std::string CsvProbe::append(std::string_view text) {
 std::string CsvProbe::record(const Simulation&, const StepReport& report) {
   if (report.step % every_ != 0) return {};
   row_ = std::to_string(report.step) + "," + format_real(report.time);
-  for (const OutputHandle& c : columns_) row_ += std::visit(ValueOf{}, c.read());
+  for (const Column& c : columns_) row_ += std::visit(ValueOf{}, c.output.read());
   if (report_) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
             format_real(report.solve.residual) + "," + format_real(report.violation) + "," +

@@ -24,7 +24,10 @@ class CsvProbe : public Component, public Recorder {
   std::string finish(const Simulation& simulation) override;
 
  private:
-  std::string find_columns(const Simulation& simulation, std::string& header);
+  struct Column {
+    std::string name;  ///< in the header
+    OutputHandle output;
+  };
   std::string append(std::string_view text);
 
   std::string columns_text_;
@@ -32,8 +35,8 @@ class CsvProbe : public Component, public Recorder {
   bool report_ = false;
   Index every_ = 1;
 
-  std::filesystem::path directory_;
-  std::vector<OutputHandle> columns_;
+  std::filesystem::path path_of_file_;
+  std::vector<Column> columns_;
   OutputFile out_;
   std::int64_t end_ = 0;  ///< bytes of the file so far
   std::string row_;

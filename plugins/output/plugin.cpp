@@ -3,6 +3,8 @@
 
 #include "constraint_table.h"
 #include "csv_probe.h"
+#include "distance.h"
+#include "energy_probe.h"
 #include "vtu_recorder.h"
 
 namespace {
@@ -10,6 +12,8 @@ void enrol_output(sutura::Registry& registry) {
   registry.component<sutura::output::VtuRecorder>("VtuRecorder");
   registry.component<sutura::output::CsvProbe>("CsvProbe");
   registry.component<sutura::output::ConstraintTable>("ConstraintTable");
+  registry.component<sutura::output::Distance>("Distance");
+  registry.component<sutura::output::EnergyProbe>("EnergyProbe");
 }
 }  // namespace
 

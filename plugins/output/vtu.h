@@ -1,7 +1,8 @@
 // VTK's XML format for unstructured grids (.vtu), and its index over time (.pvd).
 //
-// Arrays are "binary" in VTK's sense: base64 of a 64 bit byte count and the little-endian numbers,
-// in the place where the array is declared. ParaView, VTK and meshio read it.
+// Arrays are "binary" in VTK's sense: base64 of little-endian numbers, compressed by zlib, in the
+// place where the array is declared. ParaView, VTK and meshio read it. The format has no way to say
+// once what does not change from file to file; compressed, it is a small part.
 #pragma once
 
 #include <cstdint>

@@ -48,42 +48,38 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
       "with law -1 and no force, because some readers refuse an empty grid. A .pvd is complete "
       "after every record, so a run that is cut off can be looked at.");
   d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
-  d.attribute("interval", &VtuRecorder::interval_, "s", at_least(0),
+  d.attribute("interval", &VtuRecorder::interval_, "s", between(0, 1e6),
               "Time between records; 0: by steps, as 'every' says.");
 }
 
 void VtuRecorder::initialise(Setup& setup) {
   directory_ = setup.output_directory;
+  series_.clear();
+  std::vector<std::string> taken{"constraints"};
+  for (const Component* c : setup.scene->components()) {
+    if (dynamic_cast<const Body*>(c) == nullptr) continue;
+    taken.push_back(file_name_of(c->path(), taken));
+    series_.push_back({taken.back(), {}});
+  }
+  series_.push_back({"constraints", {}});
+  for (const Series& s : series_) {
+    // One complaint is enough where two recorders write the same.
+    if (!setup.output(*this, "files", s.name + ".pvd") ||
+        !setup.output(*this, "files", s.name, "*.vtu"))
+      return;
+  }
 }
 
-std::string VtuRecorder::start(const Simulation& simulation) {
-  for (const Component* other : simulation.scene().components()) {
-    if (other == this) break;
-    if (dynamic_cast<const VtuRecorder*>(other) != nullptr) {
-      return path() + " would overwrite the files of " + other->path() +
-             "; expected one VtuRecorder in a scene";
-    }
-  }
+std::string VtuRecorder::start(const Simulation&) {
   laws_ = {};
   next_time_ = 0;
-  name_series(simulation);
+  ends_.assign(series_.size(), 0);
   for (std::size_t i = 0; i < series_.size(); ++i) {
     Series& s = series_[i];
     if (std::string e = s.pvd.open(directory_ / (s.name + ".pvd")); !e.empty()) return e;
     ends_[i] = s.pvd.end();
   }
   return {};
-}
-
-void VtuRecorder::name_series(const Simulation& simulation) {
-  series_.clear();
-  std::vector<std::string> taken{"constraints"};
-  for (const Simulation::NamedBody& b : simulation.bodies()) {
-    taken.push_back(file_name_of(b.path, taken));
-    series_.push_back({taken.back(), {}});
-  }
-  series_.push_back({"constraints", {}});
-  ends_.resize(series_.size(), 0);
 }
 
 void VtuRecorder::archive(Archive& a) {
@@ -94,7 +90,7 @@ void VtuRecorder::archive(Archive& a) {
 
 std::string VtuRecorder::resume(const Simulation& simulation) {
   if (ends_.empty()) return start(simulation);
-  name_series(simulation);
+  if (ends_.size() != series_.size()) return path() + ": the state names other files";
   for (std::size_t i = 0; i < series_.size(); ++i) {
     Series& s = series_[i];
     if (std::string e = s.pvd.resume(directory_ / (s.name + ".pvd"), ends_[i]); !e.empty())

@@ -29,7 +29,6 @@ class VtuRecorder : public Component, public Recorder {
     std::string name;
     PvdFile pvd;
   };
-  void name_series(const Simulation& simulation);
   bool due(const StepReport& report);
   std::string write(Series& series, const VtuGrid& grid, const StepReport& report);
 

@@ -18,19 +18,20 @@ void Cutting::describe(Describe<Cutting>& d) {
       "fc]:\n"
       "0 <= delta _|_ lambda >= 0 below the threshold, lambda = fc while the channel grows.");
   d.link("path", &Cutting::path_, "The channel that is lengthened.");
-  d.attribute("threshold", &Cutting::threshold_, "N", at_least(0),
+  d.attribute("threshold", &Cutting::threshold_, "N", between(0, 1e6),
               "Cutting force fc, where no region says otherwise.");
-  d.attribute("regions", &Cutting::regions_, "1", at_least(0),
-              "Region tags of the tissue with a threshold of their own.");
-  d.attribute("region_thresholds", &Cutting::region_thresholds_, "N", at_least(0),
-              "One threshold per tag in `regions`.");
+  d.attribute("regions", &Cutting::regions_text_,
+              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
+              "threshold of their own.");
+  d.attribute("region_thresholds", &Cutting::region_thresholds_, "N", between(0, 1e6),
+              "One threshold per region in `regions`.");
   d.output("force", "N", "Force of the tissue on the tip, along the needle.",
            [](const Cutting& c) { return c.force_; });
 }
 
 void Cutting::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
+  regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
 }
 
 Real Cutting::threshold(const EmbeddedPoint& at) const {

@@ -22,8 +22,9 @@ class Cutting : public Component, public ConstraintSource {
  private:
   Link<SuturePath> path_;
   Real threshold_ = 0.2;
-  std::vector<Real> regions_;
+  std::string regions_text_;
   std::vector<Real> region_thresholds_;
+  std::vector<int> regions_;  ///< tags, of the names in the text
   Index source_id_ = 0;
   BlockId block_;
   Real force_ = 0;

@@ -42,17 +42,17 @@ void PathFriction::describe(Describe<PathFriction>& d) {
       "unique solution is lambda = -delta_0 / w while |lambda| <= R_static, else\n"
       "|slip| = (|delta_0| - w R) / (1 + w c / h), lambda = -sign(delta_0) (R + c |slip| / h).");
   d.link("path", &PathFriction::path_, "The channel.");
-  d.attribute("coefficient", &PathFriction::coefficient_, "1", at_least(0),
+  d.attribute("coefficient", &PathFriction::coefficient_, "1", between(0, 100),
               "Kinetic friction coefficient mu of the needle, and of the thread unless "
               "`thread_material` says otherwise.");
-  d.attribute("static_coefficient", &PathFriction::static_coefficient_, "1", at_least(0),
+  d.attribute("static_coefficient", &PathFriction::static_coefficient_, "1", between(0, 100),
               "Static friction coefficient; below the kinetic one it is taken equal to it.");
   d.attribute(
       "thread_material", &PathFriction::thread_material_, {"as_needle", "monofilament", "braided"},
       "Surface of the thread: that of the needle, monofilament (mu 0.15) or braided (mu 0.3). "
       "Measured values scatter from 0.1 to "
       "0.4, braids above monofilaments; the ratio of static to kinetic is that of the needle.");
-  d.attribute("pressure", &PathFriction::pressure_, "Pa", at_least(0),
+  d.attribute("pressure", &PathFriction::pressure_, "Pa", between(0, 1e12),
               "Pressure p of the tissue on needle and thread, where it is given as a value.");
   d.attribute("pressure_from", &PathFriction::pressure_from_, {"value", "tissue"},
               "Where the pressure comes from: the value above, or the stiffness of the tissue at "
@@ -61,10 +61,10 @@ void PathFriction::describe(Describe<PathFriction>& d) {
               "Share of the measured force across the thread that adds to the pressure: 0 a "
               "constant pressure, 1 the thread "
               "as on a capstan.");
-  d.attribute("viscosity", &PathFriction::viscosity_, "Pa s/m", at_least(0),
+  d.attribute("viscosity", &PathFriction::viscosity_, "Pa s/m", between(0, 1e12),
               "Viscous stress alpha per slip speed.");
   d.attribute(
-      "stick_speed", &PathFriction::stick_speed_, "m/s", at_least(0),
+      "stick_speed", &PathFriction::stick_speed_, "m/s", between(0, 1000),
       "Slip speed below which a sliding sample may stick at the static level again (Karnopp).");
   d.output("force", "N",
            "Sum of axial forces on the thread, positive towards the end of the thread.",

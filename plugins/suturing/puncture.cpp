@@ -25,18 +25,23 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
   d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")
       .optional();
-  d.attribute("threshold", &Puncture::threshold_, "N", above(0),
+  d.attribute("threshold", &Puncture::threshold_, "N", between(1e-6, 1e6),
               "Puncture force fp on entry, where no region says otherwise.");
-  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", above(0),
+  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-6, 1e6),
               "Puncture force from inside.");
-  d.attribute("regions", &Puncture::regions_, "1", at_least(0),
-              "Region tags of the tissue with a threshold of their own, on the surface and as a "
+  d.attribute("regions", &Puncture::regions_text_,
+              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
+              "threshold of their own, on the surface and as a "
               "layer under another.");
-  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", above(0),
-              "One threshold per tag in `regions`.");
-  d.attribute("friction", &Puncture::friction_, "1", at_least(0),
+  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-6, 1e6),
+              "One threshold per region in `regions`.");
+  d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
-  d.attribute("reach", &Puncture::reach_, "m", above(0),
+  d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
+              "Radius of the tip, over which it presses; 0: the radius of the needle. A small "
+              "force F dents "
+              "thick tissue by (1 - nu^2) F / (2 radius E), whatever the mesh.");
+  d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
               "inside without a puncture, it counts as an overrun.");
@@ -64,7 +69,7 @@ void Puncture::describe(Describe<Puncture>& d) {
 
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  check_region_values(*this, setup, regions_, region_thresholds_, "region_thresholds");
+  regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
 }
 
 void Puncture::ready(Setup& setup) {
@@ -80,6 +85,7 @@ void Puncture::archive(Archive& a) {
   a("front", front_);
   a("region", region_);
   a("threshold_here", threshold_here_);
+  footprint_.archive(a);
   a("count", count_);
   a("overruns", overruns_);
   a("force", force_);
@@ -102,29 +108,43 @@ void Puncture::detect(const StepContext& context) {
     blocked_ = inside && front_ != Front::none && to_go < 0.01 * reach_;
   }
   path_->set_tip_blocked(blocked_);
-  if (front_ != Front::none && front_ != Front::overrun) follow_front();
+  if (front_ == Front::none || front_ == Front::overrun) return;
+  if (context.pass == 0) {
+    const Real radius = tip_radius_ > 0 ? tip_radius_ : path_->thread().radius(0);
+    if (front_ == Front::layer)
+      footprint_.find(touched_);
+    else
+      footprint_.find(path_->tissue(), touched_, radius, threshold_of_front());
+  }
+  follow_front();
+}
+
+Real Puncture::threshold_of_front() const {
+  if (front_ == Front::exit) return exit_threshold_;
+  return region_value(path_->tissue().region(touched_.at), regions_, region_thresholds_,
+                      threshold_);
 }
 
 /// The surface point and its normal at the present guess.
 void Puncture::follow_front() {
-  constexpr Configuration now = Configuration::current;
   const SolidBody& tissue = path_->tissue();
-  touched_.position = tissue.position(touched_.at, now);
+  touched_.position = footprint_.position(tissue);
   if (front_ == Front::layer)
-    touched_.normal = path_->thread().tangent(0, now);
-  else if (front_ == Front::exit)
-    touched_.normal = -tissue.surface_normal(touched_.triangle, now);
+    touched_.normal = path_->thread().tangent(0, Configuration::current);
   else
-    touched_.normal = tissue.surface_normal(touched_.triangle, now);
+    touched_.normal = footprint_.normal(tissue) * (front_ == Front::exit ? -1 : 1);
 }
 
 Puncture::Front Puncture::find_entry() {
   const CurveBody& thread = path_->thread();
   const Vec3 tip = thread.point(0, Configuration::start);
   const Real motion = (thread.point(0, Configuration::current) - tip).norm();
-  const auto hit = path_->tissue().closest_surface(tip, motion + reach_, Configuration::start);
+  // A tip that presses stands below the surface of the mesh by the dent of its near field.
+  const Real dent = footprint_.compliance() * threshold_here_;
+  const auto hit =
+      path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
-  const bool deep = !hit || hit->distance < -reach_;
+  const bool deep = !hit || hit->distance < -reach_ - dent;
   if (deep && path_->tissue().locate(tip, Configuration::start)) {
     // An indentation deeper than the elements can follow turns them inside out, and the tip is in
     // without a puncture.
@@ -200,21 +220,21 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   if (front_ == Front::none || front_ == Front::overrun) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
-  const int region = tissue.region(touched_.at);
   const Vec3 tip = thread.point(0, Configuration::current);
 
   PunctureLaw::Params params;
   params.normal = touched_.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.puncture_force = front_ == Front::exit
-                              ? exit_threshold_
-                              : region_value(region, regions_, region_thresholds_, threshold_);
+  params.puncture_force = threshold_of_front();
   threshold_here_ = params.puncture_force;
   params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
   params.drag = front_ != Front::exit && drag_ ? drag_->needle_resistance(touched_.at) : 0;
   params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
+  // From inside there is no room for a tip beyond the surface: the near field of an exit is left
+  // out.
+  params.compliance = front_ == Front::entry ? footprint_.compliance() : 0;
 
   const Vec3 gap = tip - touched_.position;
   // A name of its own for every front: the next one does not begin in the mode of the last.
@@ -225,8 +245,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
   builder.couple(block_, thread, world, J, tip);
-  tissue.jacobian(touched_.at, J);
-  builder.couple(block_, tissue, -world, J, tip);
+  footprint_.couple(builder, block_, tissue, -Mat3::Identity(), tip);
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cutting.h"
+#include "footprint.h"
 #include "path_friction.h"
 #include "suture_path.h"
 
@@ -30,6 +31,7 @@ class Puncture : public Component, public ConstraintSource {
   Front find_layer();
   void begin_bite();
   void follow_front();
+  Real threshold_of_front() const;
   bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
@@ -37,14 +39,17 @@ class Puncture : public Component, public ConstraintSource {
   Link<PathFriction> drag_;
   Real threshold_ = 0.5;
   Real exit_threshold_ = 0.5;
-  std::vector<Real> regions_;
+  std::string regions_text_;
   std::vector<Real> region_thresholds_;
+  std::vector<int> regions_;  ///< tags, of the names in the text
   Real friction_ = 0.2;
+  Real tip_radius_ = 0;  ///< 0: that of the needle
   Real reach_ = 1e-3;
   Index source_id_ = 0;
 
   Front front_ = Front::none;
   bool blocked_ = false;  ///< the front holds the tip from the inside
+  Footprint footprint_;
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
   int region_ = 0;        ///< of the layer the tip has got into
   BlockId block_;

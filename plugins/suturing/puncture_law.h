@@ -4,10 +4,10 @@
 // unit normal on the side where the tip is, t: unit axis of the shaft, pointing where the tip
 // advances (t . n < 0). With lambda_n = n . lambda and the tangent plane across n:
 //
-//   pressing:    0 <= n.delta  _|_  lambda_n >= 0   while lambda_n < fp;   n.delta <= 0 at lambda_n
-//   = fp
+//   pressing:    0 <= g  _|_  lambda_n >= 0   while lambda_n < fp;   g <= 0 at lambda_n = fp
+//                with g = n.delta + c lambda_n, c the compliance of the contact
 //                Coulomb with mu in the tangent plane, |lambda_t| <= mu lambda_n
-//   event:       lambda_n = fp and n.delta < 0: the surface gives way; irreversible, fired by the
+//   event:       lambda_n = fp and g < 0: the surface gives way; irreversible, fired by the
 //                solver on converged forces only
 //   penetrated:  across t: delta = 0 (the hole holds the shaft)
 //                along t: lambda = -r t, 0 <= r <= fc + k a: the upper limit while the tip is ahead
@@ -39,6 +39,7 @@ struct PunctureLaw {
     Real puncture_force = 0;  ///< fp, N
     Real cutting_force = 0;   ///< fc, N
     Real friction = 0;        ///< mu
+    Real compliance = 0;      ///< c, m/N
     Real drag = 0;            ///< k, N/m
     bool hold = true;         ///< whether the hole holds the shaft once through
   };
@@ -47,7 +48,8 @@ struct PunctureLaw {
 
   static void project(const Mat3& W, const Vec3& d, const Params& p, Mode& mode, Vec3& lambda) {
     const Mat3 R = frame(mode == penetrated ? p.axis : p.normal);
-    const Mat3 A = R.transpose() * W * R;
+    Mat3 A = R.transpose() * W * R;
+    if (mode == pressing) A(0, 0) += p.compliance;
     const Vec3 local = R.transpose() * d;
     Vec3 force;
     if (mode == penetrated)
@@ -79,7 +81,7 @@ struct PunctureLaw {
       return;
     }
     FreeDirections<3> local;
-    friction_directions(R.transpose() * delta, p.friction, 0,
+    friction_directions(R.transpose() * delta, p.friction, p.compliance,
                         friction_state(force, p.friction, p.puncture_force), force, local);
     out = local;
     out.move = R * local.move;
@@ -88,7 +90,7 @@ struct PunctureLaw {
 
   static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3& lambda) {
     if (mode == penetrated || below(p.normal.dot(lambda), p.puncture_force)) return false;
-    if (!(p.normal.dot(delta) < 0)) return false;
+    if (!(p.normal.dot(delta) + p.compliance * p.puncture_force < 0)) return false;
     mode = penetrated;
     return true;
   }

@@ -1,31 +1,41 @@
-// A value per region of a tissue, written as two lists: regions="1 2" and region_...="0.4 0.2 N".
+// A value per region of a tissue, written as two lists: regions="dermis fat" region_...="0.4 0.2
+// N".
 #pragma once
 
-#include <cmath>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "sutura/body.h"
 #include "sutura/component.h"
 
 namespace sutura {
 
-inline void check_region_values(const Component& who, Setup& setup,
-                                const std::vector<Real>& regions, const std::vector<Real>& values,
-                                const std::string& attribute) {
-  if (regions.size() != values.size()) {
-    setup.error(who, "'regions' has " + std::to_string(regions.size()) + " entries, '" + attribute +
-                         "' has " + std::to_string(values.size()) +
-                         "; expected one value per region");
+/// The tags of the regions that `text` names. Complains of names the tissue does not have, and if
+/// there is not one of `values` for each.
+inline std::vector<int> read_regions(const Component& who, Setup& setup, const SolidBody& tissue,
+                                     const std::string& text, std::size_t values) {
+  std::vector<int> tags;
+  std::size_t count = 0;
+  std::istringstream names(text);
+  for (std::string name; names >> name; ++count) {
+    std::string error;
+    if (const std::optional<int> tag = tissue.find_region(name, error))
+      tags.push_back(*tag);
+    else
+      setup.error(who, "regions: " + error);
   }
-  for (const Real r : regions) {
-    if (r != std::floor(r)) setup.error(who, "'regions' must be whole numbers (tags of the mesh)");
-  }
+  if (count != values)
+    setup.error(who, "'regions' names " + std::to_string(count) +
+                         " regions, 'region_thresholds' has " + std::to_string(values) +
+                         " numbers; expected one value per region");
+  return tags;
 }
 
-inline Real region_value(int region, const std::vector<Real>& regions,
+inline Real region_value(int region, const std::vector<int>& regions,
                          const std::vector<Real>& values, Real otherwise) {
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    if (static_cast<int>(regions[i]) == region) return values[i];
+    if (regions[i] == region) return values[i];
   }
   return otherwise;
 }

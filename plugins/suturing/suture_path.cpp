@@ -4,6 +4,7 @@
 
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
+#include "sutura/units.h"
 
 namespace sutura {
 namespace {
@@ -25,9 +26,9 @@ void SuturePath::describe(Describe<SuturePath>& d) {
       "to the thread there (paper, section 4.4).");
   d.link("thread", &SuturePath::thread_, "Needle and thread.");
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
-  d.attribute("spacing", &SuturePath::spacing_, "m", above(0),
+  d.attribute("spacing", &SuturePath::spacing_, "m", between(1e-6, 1),
               "Distance between samples along the channel.");
-  d.attribute("wall_compliance", &SuturePath::wall_compliance_, "1/Pa", at_least(0),
+  d.attribute("wall_compliance", &SuturePath::wall_compliance_, "1/Pa", between(0, 1),
               "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples "
               "closer than the elements say "
               "the same thing several times; without any give their forces would have no bound.");
@@ -56,6 +57,13 @@ void SuturePath::describe(Describe<SuturePath>& d) {
 
 void SuturePath::initialise(Setup& setup) {
   source_id_ = setup.source_id;
+  // All of the thread may end up in the tissue, and each sample is three rows of a dense system.
+  constexpr Index most_samples = 5000;
+  if (thread_->length() / spacing_ > most_samples)
+    return setup.error(*this, "spacing: a thread of " + format_real(thread_->length()) +
+                                  " m would make more than " + std::to_string(most_samples) +
+                                  " samples; expected at least " +
+                                  format_real(thread_->length() / most_samples) + " m");
   channel_.emplace(*thread_, *tissue_, spacing_);
   crossings_.reserve(256);
   blocks_.reserve(256);

@@ -65,6 +65,12 @@ void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out)
       w[2] * Mat3::Identity(), -w[3] * cross_matrix(curve.mb);
 }
 
+Real beam_curvature(const Rod& rod, Index beam) {
+  const auto& p = rod.poses(Configuration::current);
+  const Vec3 ta = p[beam].rotation * Vec3::UnitX(), tb = p[beam + 1].rotation * Vec3::UnitX();
+  return std::atan2(ta.cross(tb).norm(), ta.dot(tb)) / rod.element(beam).length;
+}
+
 Real curve_closest(const Rod& rod, const Vec3& p, Real guess, Real low, Real high,
                    Configuration c) {
   const std::vector<Real>& a = rod.abscissa();

@@ -23,4 +23,7 @@ void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out)
 /// First local minimum of the distance to p met downhill from `guess` within [low, high].
 Real curve_closest(const Rod& rod, const Vec3& p, Real guess, Real low, Real high, Configuration c);
 
+/// Mean curvature of a beam, from its end tangents (1/m).
+Real beam_curvature(const Rod& rod, Index beam);
+
 }  // namespace sutura::thread

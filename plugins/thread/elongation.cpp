@@ -16,7 +16,7 @@ void Elongation::describe(Describe<Elongation>& d) {
       "docs/theory/thread.md), so a bend hides no stretch; lambda >= 0 is the tension beyond that "
       "of the "
       "elastic thread (N). Law: unilateral.");
-  d.attribute("limit", &Elongation::limit, "1", above(0), "Largest strain.");
+  d.attribute("limit", &Elongation::limit, "1", between(1e-6, 10), "Largest strain.");
   d.attribute("interval", &Elongation::interval, between(1, 4),
               "Beams per row: more is cheaper, the limit then holds for their mean strain.");
   d.link("thread", &Elongation::thread, "The thread.");

@@ -50,7 +50,8 @@ void Rod::build(const RodLayout& layout) {
   start_rate_.assign(n, Vec3::Zero());
   states_.resize(n - 1);
   in_step_ = false;
-  for (auto* v : {&velocity_, &start_velocity_, &missing_, &change_, &answer_}) v->clear(dofs());
+  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_})
+    v->clear(dofs());
   clamped_.clear();
   springs_.clear();
   matrix_.resize(nodes());
@@ -66,12 +67,17 @@ void Rod::reserve(Index beams) {
   for (auto* reals : {&twist_, &start_twist_, &tension_, &at_work_}) reals->reserve(n);
   start_rate_.reserve(n);
   states_.reserve(n);
-  for (auto* v : {&velocity_, &start_velocity_, &missing_, &change_, &answer_})
+  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);
   work_.clamped.reserve(clamped_.size());
   work_.springs.reserve(springs_.size());
+}
+
+void Rod::set_load(const VecX& load) {
+  load_.clear(dofs());
+  if (load.size() == dofs()) load_ = load;
 }
 
 void Rod::clamp(Index node) {
@@ -162,6 +168,7 @@ void Rod::archive(Archive& a) {
   a.list("poses", pose_, [](Archive& each, Pose& pose) { each("pose", pose); });
   a("twist", twist_);
   velocity_.archive(a, "velocity");
+  a("pushed", pushed_);
   a.list("springs", springs_, [](Archive& each, NodeSpring& s) {
     each("node", s.node);
     each("active", s.active);

@@ -81,6 +81,8 @@ class Rod {
   std::vector<Pose>& state() { return pose_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
+  /// Dead loads of the steps to come (N, N m; 6 per node), or empty: none.
+  void set_load(const VecX& load);
   /// Change of the guess, in velocity, that answers what is missing of balance.
   const DofVector& change() const { return change_; }
   const std::vector<Real>& twist() const { return twist_; }
@@ -165,7 +167,7 @@ class Rod {
   std::vector<ElementMass> masses_;
   std::vector<Pose> rest_, pose_;
   std::vector<Real> twist_;
-  DofVector velocity_;
+  DofVector velocity_, load_;
 
   // The step: where it began, and what is known at the guess.
   bool in_step_ = false;

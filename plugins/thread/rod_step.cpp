@@ -83,6 +83,8 @@ void Rod::evaluate_guess() {
     add_beam_balance(e);
   }
   add_spring_balance();
+  missing_ += dt_ * load_;
+  for (Index i = 0; i < nodes(); ++i) at_work_[i] += load_.segment<3>(6 * i).norm();
   for (const Index node : clamped_) missing_.segment<6>(6 * node).setZero();
 }
 

@@ -33,8 +33,7 @@ Pose SutureShape::needle(Real s) const {
 Pose SutureShape::rest(Real s) const {
   if (s <= needle_length) return needle(s);
   const Pose swage = needle(needle_length);
-  return along_arc(swage, swage.rotation * -Vec3::UnitZ(), thread_rest_curvature,
-                   s - needle_length);
+  return thread_rest.at(swage, s - needle_length);
 }
 
 Pose SutureShape::start(Real s) const {

@@ -2,7 +2,7 @@
 // abscissa (0 = needle tip), at rest and as laid out at the start.
 #pragma once
 
-#include "sutura/types.h"
+#include "rest_shape.h"
 
 namespace sutura::thread {
 
@@ -15,7 +15,7 @@ struct SutureShape {
   Vec3 plane_normal = Vec3::UnitZ();     ///< turning right-handed about it advances the needle
   Vec3 thread_direction = Vec3::Zero();  ///< of the thread as laid out; zero: along the swage
   Real thread_bend_radius = 5e-3;        ///< of the bend from the swage to thread_direction, m
-  Real thread_rest_curvature = 0;        ///< memory of the spool, in the plane of the needle, 1/m
+  RestShape thread_rest;                 ///< memory of the spool
 
   Real length() const { return needle_length + thread_length; }
   Pose rest(Real s) const;

@@ -4,30 +4,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "sutura/archive.h"
 
 namespace sutura::thread {
 
-void SutureThread::initialise(Setup& setup) {
-  if (tip_direction.norm() < 1e-9) setup.error(*this, "tip_direction must not be zero");
-  if (tip_direction.cross(plane_normal).norm() <
-          1e-6 * tip_direction.norm() * plane_normal.norm() ||
-      plane_normal.norm() < 1e-9)
-    setup.error(*this, "plane_normal must not be zero nor parallel to tip_direction");
-  if (!setup.diagnostics.ok()) return;
-  shape_ = {.needle_length = needle_arc_length,
-            .needle_angle = needle_angle,
-            .thread_length = thread_length,
-            .tip = tip,
-            .tip_direction = tip_direction,
-            .plane_normal = plane_normal,
-            .thread_direction = thread_direction,
-            .thread_bend_radius = thread_bend_radius,
-            .thread_rest_curvature = thread_rest_curvature};
-}
-
-/// Every grasper has said where it holds.
+/// Every grasper and load has said where it wants a node.
 void SutureThread::ready(Setup&) {
   build();
 }
@@ -126,6 +109,7 @@ void SutureThread::build() {
 
 void SutureThread::begin_step(const StepContext& context) {
   factored_ = true;
+  rod_.set_load(load());
   rod_.begin_step(context.dt, context.gravity);
 }
 
@@ -232,18 +216,9 @@ Real SutureThread::largest_strain() const {
   return largest;
 }
 
-namespace {
-/// Mean curvature of a beam, from its end tangents.
-Real curvature(const Rod& rod, Index e) {
-  const auto& p = rod.poses(Configuration::current);
-  const Vec3 ta = p[e].rotation * Vec3::UnitX(), tb = p[e + 1].rotation * Vec3::UnitX();
-  return std::atan2(ta.cross(tb).norm(), ta.dot(tb)) / rod.element(e).length;
-}
-}  // namespace
-
 Real SutureThread::largest_curvature() const {
   Real largest = 0;
-  for (Index e = 0; e < rod_.beams(); ++e) largest = std::max(largest, curvature(rod_, e));
+  for (Index e = 0; e < rod_.beams(); ++e) largest = std::max(largest, beam_curvature(rod_, e));
   return largest;
 }
 
@@ -267,7 +242,7 @@ BodyGeometry SutureThread::geometry() const {
     rod_.element_state(e, s);
     radius_field.values.push_back(rod_.section(e).radius);
     tension.values.push_back(s.tension);
-    bend.values.push_back(curvature(rod_, e));
+    bend.values.push_back(beam_curvature(rod_, e));
   }
   g.fields = {velocity, abscissa, radius_field, tension, bend};
   return g;

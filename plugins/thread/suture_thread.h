@@ -20,11 +20,17 @@ class SutureThread : public Component, public CurveBody {
   Real needle_young = 190e9, needle_poisson = 0.3, needle_density = 7850;
   Real thread_length = 0.3, thread_diameter = 0.175e-3;
   Real thread_young = 1.5e9, thread_poisson = 0.4, thread_density = 910, bending_factor = 1;
-  Real thread_bend_radius = 5e-3, thread_rest_curvature = 0;
+  Real thread_bend_radius = 5e-3, thread_rest_curvature = 0, thread_rest_torsion = 0;
+  File thread_rest_file;
+  std::string needle, thread;
   Real sampling_angle = 0, shortest_beam = 0.5e-3;
   Index needle_beams = 12, thread_beams = 100, newton_iterations = 1;
   Vec3 tip = Vec3::Zero(), tip_direction = Vec3::UnitX(), plane_normal = Vec3::UnitZ();
   Vec3 thread_direction = Vec3::Zero();
+  Vec3 needle_centre = Vec3::Zero(), entry = Vec3::Zero();
+  Real tip_angle = 0, approach = 0;
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
+  bool settles = false;
   Real damping_mass = 0, damping_stiffness = 0;
   Clamp clamp = Clamp::none;
   static void describe(Describe<SutureThread>& d);
@@ -36,6 +42,8 @@ class SutureThread : public Component, public CurveBody {
   // Body
   Index dofs() const override { return rod_.dofs(); }
   int width() const override { return 6; }
+  bool wants_settling() const override { return settles; }
+  std::string settle(const Vec3& gravity) override;
   void begin_step(const StepContext& context) override;
   void linearise(const StepContext& context, const VecX& force) override;
   Eigen::Ref<const VecX> change() const override { return rod_.change(); }
@@ -49,6 +57,7 @@ class SutureThread : public Component, public CurveBody {
   void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override { return rod_.momentum(); }
   Real mass() const override { return rod_.mass(); }
+  Vec3 centre_of_mass() const override;
   Real energy() const override { return rod_.kinetic_energy() + rod_.elastic_energy(); }
   bool finite() const override { return factored_ && rod_.finite(); }
   std::string trouble() const override;
@@ -71,13 +80,26 @@ class SutureThread : public Component, public CurveBody {
   void release_hold(Index hold) override;
   Wrench hold_wrench(Index hold) const override;
 
+  /// To the load of the step: on the section of a hold, which need not be closed.
+  void add_load(Index hold, const Wrench& wrench);
+  /// Of the beam at s: mean curvature (1/m), twist per length (rad/m) and axial force (N).
+  struct SectionState {
+    Real curvature = 0, twist = 0, tension = 0;
+  };
+  SectionState section_state(Real s) const;
+
   const Rod& rod() const { return rod_; }
   Real largest_strain() const;
   Real largest_curvature() const;
 
  private:
+  void look_up_products(Setup& setup);
+  void place_needle(Setup& setup);
+  RestShape read_rest(Setup& setup);
+  void start_moving();
   void build();
   void lay_out(std::vector<Real> nodes);
+  void doubt_sizes(Setup& setup) const;
   std::vector<Real> node_abscissae() const;
   Section section(Real s) const;
   void resample();

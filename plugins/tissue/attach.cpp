@@ -1,46 +1,86 @@
 #include "attach.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
+#include "selection.h"
 #include "tet_mesh.h"
 
 namespace sutura {
+namespace {
+
+/// "-0.025 -0.015 -0.01  0.025 0.015 0 m", as 'box' would say it.
+std::string corners(const MeshReport& mesh) {
+  std::string out;
+  for (const Vec3& corner : {mesh.low, mesh.high})
+    for (const Real x : corner) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.4g ", x);
+      out += text;
+    }
+  return out + "m";
+}
+
+}  // namespace
 
 void Attach::describe(Describe<Attach>& d) {
   d.summary(
-      "Fixes the nodes of a tissue that lie in a box at rest, or are listed, exactly where they "
-      "are.");
+      "Holds the nodes of a tissue that lie in a box at rest, in a region of the mesh, or are "
+      "listed: where they are, along some directions only, or on a motion.");
+  d.theory(
+      "Nodes held along all directions are taken out of the equations: they are exactly where they "
+      "are told. Nodes held along some directions slide along the others; a spring a million times "
+      "stiffer than the tissue around them holds them. With `motion` each node goes to *x(t)* of "
+      "the motion, from its place at rest.");
   d.attribute(
       "box", &Attach::box, "m", any(),
       "Two opposite corners: x y z of the lower, x y z of the upper; nodes on the faces count.");
   d.attribute("nodes", &Attach::nodes, "1", at_least(0),
               "Nodes by number, from 0, in the order of the mesh (unused ones left out).");
+  d.attribute("region", &Attach::region,
+              "Name or number of a region of the mesh: its nodes, or those of them in 'box'.");
+  d.attribute("directions", &Attach::directions,
+              "Along which axes the nodes are held: 'xyz', or some of the letters.");
   d.link("tissue", &Attach::tissue, "The tissue to hold.");
+  d.link("motion", &Attach::motion, "What the nodes follow, a Track for instance; left out: none.")
+      .named_only();
   d.output("nodes_held", "1", "Number of nodes held.",
            [](const Attach& a) -> Real { return static_cast<Real>(a.selected_.size()); });
   d.output("reaction", "N",
            "Force with which this attachment holds the tissue, over the last step.",
-           [](const Attach& a) -> Vec3 { return a.tissue->reaction(a.selected_); });
+           [](const Attach& a) -> Vec3 {
+             return a.tissue->reaction(a.selected_).cwiseProduct(a.along_);
+           });
 }
 
 void Attach::initialise(Setup& setup) {
-  if (!tissue->ok()) return;  // its mesh has been complained about
-  if (box.empty() && nodes.empty()) return setup.error(*this, "one of 'box' and 'nodes' is needed");
-  const std::vector<Vec3>& points = tissue->mesh->data().points;
-  const Index count = static_cast<Index>(points.size());
-  if (!box.empty()) {
-    if (box.size() != 6)
-      return setup.error(
-          *this, "'box' has " + std::to_string(box.size()) + " numbers, expected 6: two corners");
-    const Vec3 a(box[0], box[1], box[2]), b(box[3], box[4], box[5]);
-    const Vec3 low = a.cwiseMin(b), high = a.cwiseMax(b);
-    // Corners and coordinates may come from different units: forgive the rounding of a conversion.
-    const Real rounding = 1e-9 * (tissue->mesh->report().high - tissue->mesh->report().low).norm();
-    for (Index i = 0; i < count; ++i)
-      if (((points[i] - low).array() >= -rounding).all() &&
-          ((high - points[i]).array() >= -rounding).all())
-        selected_.push_back(i);
-    if (selected_.empty()) return setup.error(*this, "no node of the tissue lies in 'box'");
+  if (box.empty() && nodes.empty() && region.empty())
+    return setup.error(*this, "one of 'box', 'region' and 'nodes' is needed");
+  std::array<bool, 3> along{};
+  for (const char letter : directions) {
+    const auto axis = std::string("xyz").find(letter);
+    if (axis == std::string::npos || along[axis])
+      return setup.error(*this, "'directions' is '" + directions.substr(0, 20) +
+                                    "', expected some of the letters x, y and z, each once");
+    along[axis] = true;
+    along_[static_cast<Index>(axis)] = 1;
+  }
+  if (directions.empty()) return setup.error(*this, "'directions' is empty; nothing would be held");
+  const Index count = static_cast<Index>(tissue->mesh->data().points.size());
+  if (!box.empty() || !region.empty()) {
+    std::string error;
+    const std::optional<Selection> selection = select(*tissue->mesh, box, region, error);
+    if (!selection) return setup.error(*this, error);
+    selected_ = selection->nodes;
+    if (selected_.empty())
+      return setup.error(*this,
+                         std::string("no node of ") + (region.empty() ? "the tissue" : "'region'") +
+                             " lies in 'box'; the mesh spans " + corners(tissue->mesh->report()) +
+                             (tissue->mesh->unit == TetMesh::Unit::unstated
+                                  ? ", taken for metres: is a unit=\"mm\" missing?"
+                                  : ""));
   }
   for (const Real number : nodes) {
     if (number != std::floor(number) || number >= static_cast<Real>(count))
@@ -51,7 +91,27 @@ void Attach::initialise(Setup& setup) {
   }
   std::sort(selected_.begin(), selected_.end());
   selected_.erase(std::unique(selected_.begin(), selected_.end()), selected_.end());
-  tissue->fix(selected_);
+  slides_ = !(along[0] && along[1] && along[2]);
+  if (!slides_) tissue->fix(selected_);
+  for (const Index node : selected_) {
+    if (slides_)
+      handles_.push_back(tissue->support(node, along));
+    else if (motion)
+      handles_.push_back(tissue->carrier(node));
+  }
+}
+
+void Attach::drive(const StepContext&) {
+  if (!motion) return;
+  const Pose pose = motion->pose();
+  for (std::size_t i = 0; i < selected_.size(); ++i) {
+    const Vec3 rest = tissue->rest_positions().segment<3>(3 * selected_[i]);
+    const Vec3 target = pose.position + pose.rotation * rest;
+    if (slides_)
+      tissue->carry_support(handles_[i], target);
+    else
+      tissue->carry(handles_[i], target);
+  }
 }
 
 }  // namespace sutura

@@ -1,4 +1,4 @@
-// Reads a tetrahedral mesh: Gmsh MSH 2.2 and 4.1, VTK legacy, VTU (uncompressed).
+// Reads a tetrahedral mesh: Gmsh MSH 2.2 and 4.1, VTK legacy, VTU.
 //
 // A file is not trusted: every count is compared with what the rest of the file can hold before
 // anything is allocated, every index is checked, and the first fault ends the reading with the line

@@ -1,6 +1,8 @@
-// VTU files: ASCII, inline base64 and appended (base64 or raw) arrays, uncompressed.
+// VTU files: ASCII, inline base64 and appended (base64 or raw) arrays, plain or
+// compressed by zlib.
 // TinyXML2 gives the tree; every number is read by our own code.
 #include <tinyxml2.h>
+#include <zlib.h>
 
 #include <bit>
 #include <optional>
@@ -75,8 +77,11 @@ class VtuReader {
     if (text(file, "type") != "UnstructuredGrid")
       fail(file, "the file holds '" + MeshCursor::shortened(text(file, "type")) +
                      "', expected type=\"UnstructuredGrid\"");
-    if (file->Attribute("compressor"))
-      fail(file, "compressed VTU files are not read; save the mesh without compression");
+    const std::string_view compressor = text(file, "compressor");
+    compressed_ = !compressor.empty();
+    if (compressed_ && compressor != "vtkZLibDataCompressor")
+      fail(file, "compressor=\"" + MeshCursor::shortened(compressor) +
+                     "\"; expected vtkZLibDataCompressor, or none");
     swap_ = (text(file, "byte_order") == "BigEndian") != (std::endian::native == std::endian::big);
     header_bytes_ = text(file, "header_type") == "UInt64" ? 8 : 4;
 
@@ -219,28 +224,107 @@ class VtuReader {
                     "' does not hold the " + std::to_string(n) + " values expected");
   }
 
-  /// Strips the byte count in front of a block and compares it with what is expected.
+  /// The bytes of an array without what stands in front of them.
   std::string inline_block(const XMLElement* array, std::string_view source, std::size_t expected,
                            bool raw) {
+    if (compressed_) return compressed_block(array, source, expected, raw);
     if (expected > source.size()) wrong_block(array, source.size(), expected);
-    std::string data;
-    if (raw) {
-      data = std::string(source.substr(0, header_bytes_ + expected));
-    } else {
-      auto decoded = decode_base64(source, header_bytes_ + expected);
-      if (!decoded) fail(array, "the array holds a character that is not base64");
-      data = std::move(*decoded);
-    }
+    const std::string data = bytes(array, source, header_bytes_ + expected, raw);
     if (data.size() < header_bytes_) wrong_block(array, data.size(), expected);
     MeshCursor in(data);
     in.swap_bytes = swap_;
-    const std::uint64_t stated = header_bytes_ == 8 ? in.binary<std::uint64_t>("a block size")
-                                                    : in.binary<std::uint32_t>("a block size");
+    const std::uint64_t stated = size_from(in);
     if (stated != expected) wrong_block(array, stated, expected);
     if (data.size() - header_bytes_ < expected)
       wrong_block(array, data.size() - header_bytes_, expected);
     return data.substr(header_bytes_, expected);
   }
+
+  /// Up to `limit` bytes of an array, decoded.
+  static std::string bytes(const XMLElement* array, std::string_view source, std::size_t limit,
+                           bool raw) {
+    if (raw) return std::string(source.substr(0, limit));
+    auto decoded = decode_base64(source, limit);
+    if (!decoded) fail(array, "the array holds a character that is not base64");
+    decoded->resize(std::min(decoded->size(), limit));
+    return std::move(*decoded);
+  }
+  std::uint64_t size_from(MeshCursor& in) const {
+    return header_bytes_ == 8 ? in.binary<std::uint64_t>("a block size")
+                              : in.binary<std::uint32_t>("a block size");
+  }
+
+  /// In front: the number of blocks, the size of a block, of the last (0: it is whole), then the
+  /// compressed size of each. In base64 this header is encoded apart from the blocks.
+  std::string compressed_block(const XMLElement* array, std::string_view source,
+                               std::size_t expected, bool raw) {
+    // zlib shrinks by a factor of 1032 at most: a file cannot ask for more than it can hold.
+    if (expected / 1032 > source.size()) wrong_block(array, source.size(), expected);
+    const std::string first = bytes(array, source, header_bytes_, raw);
+    if (first.size() < header_bytes_) wrong_block(array, first.size(), expected);
+    MeshCursor count(first);
+    count.swap_bytes = swap_;
+    const std::uint64_t blocks = size_from(count);
+    if (blocks > source.size() / header_bytes_)
+      fail(array, std::to_string(blocks) + " compressed blocks, more than the file can hold");
+    const std::size_t header_size = header_bytes_ * (3 + static_cast<std::size_t>(blocks));
+    const std::string header = bytes(array, source, header_size, raw);
+    if (header.size() < header_size) wrong_block(array, header.size(), expected);
+    MeshCursor in(header);
+    in.swap_bytes = swap_;
+    size_from(in);
+    const std::uint64_t whole_size = size_from(in), last_size = size_from(in);
+    std::vector<std::size_t> sizes;
+    std::size_t packed_size = 0;
+    for (std::uint64_t i = 0; i < blocks; ++i) {
+      const std::uint64_t size = size_from(in);
+      if (size > source.size() - std::min(source.size(), packed_size))
+        fail(array,
+             "a compressed block of " + std::to_string(size) + " bytes, more than the file holds");
+      sizes.push_back(static_cast<std::size_t>(size));
+      packed_size += sizes.back();
+    }
+    const std::size_t digits = raw ? header_size : (header_size + 2) / 3 * 4;
+    const std::string_view rest = source.substr(after_digits(source, digits, raw));
+    return inflate(array, bytes(array, rest, packed_size, raw), sizes, whole_size, last_size,
+                   expected);
+  }
+
+  /// Where the text goes on after so many base64 digits; blanks between them do not count.
+  static std::size_t after_digits(std::string_view text, std::size_t digits, bool raw) {
+    std::size_t i = 0;
+    for (; i < text.size() && digits > 0; ++i)
+      if (raw || (text[i] != ' ' && text[i] != '\n' && text[i] != '\r' && text[i] != '\t'))
+        --digits;
+    return i;
+  }
+
+  static std::string inflate(const XMLElement* array, const std::string& packed,
+                             const std::vector<std::size_t>& sizes, std::uint64_t whole_size,
+                             std::uint64_t last_size, std::size_t expected) {
+    std::string out;
+    out.reserve(expected);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      const bool is_last = i + 1 == sizes.size() && last_size > 0;
+      const std::uint64_t size = is_last ? last_size : whole_size;
+      if (size > expected - out.size()) wrong_block(array, out.size() + size, expected);
+      if (at + sizes[i] > packed.size()) wrong_block(array, packed.size(), at + sizes[i]);
+      const std::size_t old = out.size();
+      out.resize(old + static_cast<std::size_t>(size));
+      uLongf length = static_cast<uLongf>(size);
+      const int code = uncompress(reinterpret_cast<Bytef*>(out.data() + old), &length,
+                                  reinterpret_cast<const Bytef*>(packed.data() + at),
+                                  static_cast<uLong>(sizes[i]));
+      if (code != Z_OK || length != size)
+        fail(array, "block " + std::to_string(i + 1) + " of the array '" +
+                        MeshCursor::shortened(text(array, "Name")) + "' is not what zlib wrote");
+      at += sizes[i];
+    }
+    if (out.size() != expected) wrong_block(array, out.size(), expected);
+    return out;
+  }
+
   [[noreturn]] static void wrong_block(const XMLElement* array, std::size_t found,
                                        std::size_t expected) {
     fail(array, "the block of array '" + MeshCursor::shortened(text(array, "Name")) + "' has " +
@@ -291,7 +375,7 @@ class VtuReader {
 
   tinyxml2::XMLDocument document_;
   std::string_view appended_;
-  bool appended_raw_ = false, swap_ = false;
+  bool appended_raw_ = false, swap_ = false, compressed_ = false;
   std::size_t header_bytes_ = 4;
 };
 

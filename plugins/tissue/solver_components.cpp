@@ -66,11 +66,11 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
       "after its snapshot, for runs that repeat bit by bit.");
   d.attribute("tolerance", &AsyncPreconditioner::tolerance, "1", strictly_between(0, 1),
               "Relative residual |b - A x| / |b| at which the iteration stops.");
-  d.attribute("max_iterations", &AsyncPreconditioner::max_iterations, at_least(1),
+  d.attribute("max_iterations", &AsyncPreconditioner::max_iterations, between(1, 1000000),
               "Iterations after which the matrix of the step is factorised at once.");
-  d.attribute("refactor_iterations", &AsyncPreconditioner::refactor_iterations, at_least(0),
+  d.attribute("refactor_iterations", &AsyncPreconditioner::refactor_iterations, between(0, 1000000),
               "A step that needed more iterations asks for a new factor.");
-  d.attribute("max_age", &AsyncPreconditioner::max_age, at_least(1),
+  d.attribute("max_age", &AsyncPreconditioner::max_age, between(1, 1000000),
               "Age in steps that no factor should reach: at three quarters of it a new one is "
               "asked for, whatever the iterations.");
   describe_backend(d);

@@ -16,8 +16,9 @@ Real metres(TetMesh::Unit unit) {
 
 void TetMesh::describe(Describe<TetMesh>& d) {
   d.summary(
-      "A tetrahedral mesh read from a file: Gmsh MSH 2.2 or 4.1, VTK legacy or uncompressed VTU, "
-      "ASCII or binary. Physical groups (Gmsh) or the cell array 'region' (VTK) become regions.");
+      "A tetrahedral mesh read from a file: Gmsh MSH 2.2 or 4.1, VTK legacy or VTU, "
+      "ASCII, binary or compressed by zlib. Physical groups (Gmsh) or the cell array 'region' "
+      "(VTK) become regions.");
   d.attribute("file", &TetMesh::file, "The mesh file, relative to the scene.").required();
   d.attribute("unit", &TetMesh::unit, {"unstated", "m", "cm", "mm"},
               "The unit of length of the file; unstated means metres, with a warning if the mesh "
@@ -37,32 +38,43 @@ void TetMesh::initialise(Setup& setup) {
     if (line > 0)
       setup.diagnostics.error({path.string(), line}, this->path(), message, Category::file);
     else
-      setup.error(*this, "mesh file '" + path.string() + "': " + message, Category::file);
+      setup.error(*this,
+                  "mesh file '" + path.string() + "': " + message +
+                      (std::filesystem::exists(path) ? "" : setup.did_you_mean_file(file.path)),
+                  Category::file);
     return;
   }
-  data_ = std::move(reading.mesh);
-  for (Vec3& p : data_.points) p *= metres(unit);
-  checked_ = check_mesh(data_, unit == Unit::unstated);
+  setup.note_if_outside(*this, file.path);
+  for (Vec3& p : reading.mesh.points) p *= metres(unit);
+  take(std::move(reading.mesh), "mesh file '" + file.path + "'", setup);
+}
+
+void TetMesh::take(MeshData data, const std::string& what, Setup& setup) {
+  data_ = std::move(data);
+  // Only a file can leave its unit open.
+  checked_ = check_mesh(data_, !file.path.empty() && unit == Unit::unstated);
   for (const std::string& warning : checked_.report.warnings)
-    setup.warning(*this, "mesh file '" + file.path + "': " + warning, Category::file);
+    setup.warning(*this, what + ": " + warning, Category::file);
   if (!checked_.error.empty()) {
-    setup.error(*this, "mesh file '" + file.path + "': " + checked_.error, Category::file);
+    setup.error(*this, what + ": " + checked_.error, Category::file);
     return;
   }
-  ok_ = true;
 }
 
 std::optional<int> TetMesh::region(const std::string& name_or_tag, std::string& error) const {
   const std::set<int> present(data_.region.begin(), data_.region.end());
   std::string list;
+  std::vector<std::string> names;
   for (const int tag : present) {
     const auto named = data_.region_names.find(tag);
     const std::string name = named == data_.region_names.end() ? std::string() : named->second;
     if (name_or_tag == std::to_string(tag) || (!name.empty() && name_or_tag == name)) return tag;
+    if (!name.empty()) names.push_back(name);
     list +=
         (list.empty() ? "" : ", ") + std::to_string(tag) + (name.empty() ? "" : " (" + name + ")");
   }
-  error = "the mesh has no region '" + name_or_tag + "'; it has " + list;
+  error = "the mesh has no region '" + name_or_tag + "'" + did_you_mean(name_or_tag, names) +
+          "; it has " + list;
   return {};
 }
 

@@ -19,18 +19,19 @@ class TetMesh : public Component {
   static void describe(Describe<TetMesh>& d);
   void initialise(Setup& setup) override;
 
-  /// False if initialise complained: there is no mesh to work with.
-  bool ok() const { return ok_; }
   const MeshData& data() const { return data_; }
   const MeshReport& report() const { return checked_.report; }
   const std::vector<BoundaryFace>& boundary() const { return checked_.boundary; }
   /// The tag of a region given by name or number; nothing, and what there is, if no tet has it.
   std::optional<int> region(const std::string& name_or_tag, std::string& error) const;
 
+ protected:
+  /// Checks `data` and keeps it; what is wrong with it is said of `what`.
+  void take(MeshData data, const std::string& what, Setup& setup);
+
  private:
   MeshData data_;
   CheckedMesh checked_;
-  bool ok_ = false;
 };
 
 }  // namespace sutura

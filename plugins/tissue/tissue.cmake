@@ -3,7 +3,7 @@
 option(SUTURA_CHOLMOD "CHOLMOD supernodal factorisation in the tissue plugin" ON)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(TINYXML2 REQUIRED IMPORTED_TARGET tinyxml2)  # imported targets end with their directory
-set(SUTURA_TISSUE_LIBRARIES Threads::Threads PkgConfig::TINYXML2)
+set(SUTURA_TISSUE_LIBRARIES Threads::Threads PkgConfig::TINYXML2 PkgConfig::ZLIB)
 if(SUTURA_CHOLMOD)
   find_library(SUTURA_CHOLMOD_LIBRARY cholmod REQUIRED)
   find_library(SUTURA_METIS_LIBRARY metis REQUIRED)

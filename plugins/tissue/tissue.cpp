@@ -1,30 +1,44 @@
 #include "tissue.h"
 
+#include "attach.h"
 #include "corotational_t4.h"
 #include "direct_solver.h"
+#include "material_limits.h"
 #include "smoothed_t4.h"
 #include "sutura/archive.h"
+#include "sutura/scene.h"
 
 namespace sutura {
+namespace {
+
+constexpr std::size_t most_tets = 1000000;  // some 4 GB with matrix and factor
+
+}  // namespace
 
 void Tissue::describe(Describe<Tissue>& d) {
   d.summary("Soft tissue: corotational tetrahedra, lumped mass, implicit Euler.");
-  d.attribute("young", &Tissue::young, "Pa", above(0),
+  d.attribute("young", &Tissue::young, "Pa", young_range,
               "Young modulus, where no Layer says otherwise.");
   d.attribute("poisson", &Tissue::poisson, "1", strictly_between(-1, 0.5),
               "Poisson ratio; linear elements grow too stiff from about 0.4 on.");
-  d.attribute("density", &Tissue::density, "kg/m^3", above(0), "Density.");
-  d.attribute("damping_mass", &Tissue::damping_mass, "1/s", at_least(0),
+  d.attribute("density", &Tissue::density, "kg/m^3", density_range, "Density.");
+  d.attribute("damping_mass", &Tissue::damping_mass, "1/s", between(0, 1e6),
               "Rayleigh damping in proportion to mass: a drag against the world.");
-  d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", at_least(0),
+  d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", between(0, 1000),
               "Rayleigh damping in proportion to stiffness: viscosity.");
-  d.attribute("element", &Tissue::element, {"t4", "smoothed"},
-              "Linear tets, far too stiff in bending near poisson 0.5, or the same tets averaged "
-              "over edges "
-              "and nodes, accurate there at three to four times the cost.");
-  d.attribute("iterations", &Tissue::iterations, at_least(1),
+  d.attribute("element", &Tissue::element, {"unstated", "t4", "smoothed"},
+              "Linear tets (t4), far too stiff in bending near poisson 0.5, or the same tets "
+              "averaged over edges and nodes (smoothed), accurate there at three to four times the "
+              "cost. Unstated: t4, the one that keeps pace with the clock, with a warning where it "
+              "is too stiff.");
+  d.attribute("iterations", &Tissue::iterations, between(1, 100),
               "Passes of the step, at least (docs/step.md); more follow where the tolerance asks "
               "for them.");
+  d.attribute("velocity", &Tissue::velocity, "m/s", between(-1e4, 1e4), "Velocity at the start.");
+  d.attribute("spin", &Tissue::spin, "rad/s", between(-1e6, 1e6),
+              "Angular velocity at the start, about the centre of mass.");
+  d.attribute("settle", &Tissue::settles,
+              "Start at rest, in balance under weight and loads, instead of in the mesh's shape.");
   d.link("mesh", &Tissue::mesh, "Rest shape and regions.");
   d.link("solver", &Tissue::solver, "How the equations are solved; directly, if left out.")
       .optional();
@@ -48,9 +62,27 @@ void Tissue::describe(Describe<Tissue>& d) {
            [](const Tissue& t) -> Real { return static_cast<Real>(t.inverted()); });
 }
 
-void Tissue::initialise(Setup&) {
-  if (!mesh->ok()) return;
+/// Things that are allowed, but seldom meant.
+void Tissue::doubt(Setup& setup) const {
+  doubt_material(*this, setup, {young, poisson, density});
+  if (element == TissueElement::unstated && poisson > locking_poisson)
+    setup.warning(*this, "poisson is " + format_real(poisson) + ", where " + too_stiff);
+  if (setup.scene == nullptr || setup.gravity.isZero()) return;
+  for (const Component* other : setup.scene->components()) {
+    const auto* attach = dynamic_cast<const Attach*>(other);
+    if (attach != nullptr && attach->tissue.get() == this) return;
+  }
+  setup.warning(*this, "nothing holds this tissue, it will fall; an <Attach> fixes a part of it");
+}
+
+void Tissue::initialise(Setup& setup) {
   const MeshData& data = mesh->data();
+  if (data.tets.size() > most_tets)
+    return setup.error(*this, "mesh: " + std::to_string(data.tets.size()) +
+                                  " tetrahedra are more than can be computed with; expected at "
+                                  "most " +
+                                  std::to_string(most_tets));
+  doubt(setup);
   const Index n = static_cast<Index>(data.points.size());
   rest_.resize(3 * n);
   for (Index i = 0; i < n; ++i) rest_.segment<3>(3 * i) = data.points[i];
@@ -82,6 +114,8 @@ void Tissue::initialise(Setup&) {
 /// Every Layer and Attach has spoken. The factor that the first step needs is made here: the first
 /// step finds the same matrix again.
 void Tissue::ready(Setup& setup) {
+  for (std::size_t i = 0; i < fixed_.size(); ++i)
+    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
   solver_->analyse(A_->pattern(), fixed_, {});
   assemble({.dt = setup.dt, .gravity = setup.gravity});
 }
@@ -122,6 +156,7 @@ void Tissue::update_materials() {
     for (const Index i : t) mass_[i] += material.density * volume / 4;
   }
   elastic_->set_materials(tet_material_);
+  start_moving();
 }
 
 void Tissue::fix(const std::vector<Index>& nodes) {
@@ -164,6 +199,10 @@ Vec3 Tissue::surface_normal(Index triangle, Configuration c) const {
 Elasticity Tissue::elasticity(const EmbeddedPoint& p) const {
   const Material& m = tet_material_[static_cast<std::size_t>(p.element)];
   return {m.young, m.poisson};
+}
+
+std::optional<int> Tissue::find_region(const std::string& name_or_tag, std::string& error) const {
+  return mesh->region(name_or_tag, error);
 }
 
 int Tissue::region(const EmbeddedPoint& p) const {

@@ -2,6 +2,7 @@
 // Equations: docs/theory/tissue.md.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <vector>
@@ -17,8 +18,9 @@
 
 namespace sutura {
 
-/// t4: corotational linear tets. smoothed: the same tets, cured of locking (smoothed_t4.h).
-enum class TissueElement { t4, smoothed };
+/// unstated: t4, with a warning where it is too stiff. t4: corotational linear tets. smoothed: the
+/// same tets, cured of locking (smoothed_t4.h).
+enum class TissueElement { unstated, t4, smoothed };
 
 class Tissue : public Component, public SolidBody {
  public:
@@ -29,8 +31,10 @@ class Tissue : public Component, public SolidBody {
   Real density = 1000;
   Real damping_mass = 0;
   Real damping_stiffness = 0;
-  TissueElement element = TissueElement::t4;
+  TissueElement element = TissueElement::unstated;
   Index iterations = 1;
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
+  bool settles = false;
   Link<TetMesh> mesh;
   Link<TissueSolver> solver;
 
@@ -40,10 +44,17 @@ class Tissue : public Component, public SolidBody {
   void archive(Archive& archive) override;
 
   // For the components that complete a tissue, from their initialise.
-  bool ok() const { return elastic_ != nullptr; }
   /// False if the region already has a material of its own.
   bool set_material(int region, const Material& material);
   void fix(const std::vector<Index>& nodes);
+  /// Holds a node along the axes for which `along` is not zero, by a spring that is stiff against
+  /// the tissue; it stays free along the others. Returns the number of the support.
+  Index support(Index node, const std::array<bool, 3>& along);
+  /// A fixed node that will be carried. Returns the number of its carrier.
+  Index carrier(Index fixed_node);
+  /// In stage inputs: where the node is to be at the end of the step.
+  void carry(Index carrier, const Vec3& target);
+  void carry_support(Index support, const Vec3& target);
 
   /// Force (N) with which fixed nodes are held, over the last step: the momentum that their rows of
   /// the unconstrained equations lack. Zero for free nodes.
@@ -52,8 +63,9 @@ class Tissue : public Component, public SolidBody {
   Real max_displacement() const;
   Vec3 lowest() const;  ///< the node with the smallest z
   const std::vector<Real>& node_mass() const { return mass_; }
-  const VecX& positions() const { return x_; }   ///< m, node by node
-  const VecX& velocities() const { return v_; }  ///< m/s
+  const VecX& positions() const { return x_; }          ///< m, node by node
+  const VecX& velocities() const { return v_; }         ///< m/s
+  const VecX& rest_positions() const { return rest_; }  ///< m
   /// For restarts and tests. Fixed nodes are fixed where they are put; their velocity becomes zero.
   void set_state(const VecX& x, const VecX& v);
   const TissueSolveReport& solve_report() const { return solver_->report(); }
@@ -61,6 +73,8 @@ class Tissue : public Component, public SolidBody {
   // Body
   Index dofs() const override { return x_.size(); }
   int width() const override { return 3; }
+  bool wants_settling() const override { return settles; }
+  std::string settle(const Vec3& gravity) override;
   void begin_step(const StepContext& context) override;
   void linearise(const StepContext& context, const VecX& force) override;
   Eigen::Ref<const VecX> change() const override { return change_; }
@@ -74,6 +88,7 @@ class Tissue : public Component, public SolidBody {
   void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override;
   Real mass() const override;
+  Vec3 centre_of_mass() const override;
   Real energy() const override;
   bool finite() const override;
   std::string trouble() const override;
@@ -87,12 +102,14 @@ class Tissue : public Component, public SolidBody {
                                        Configuration c) const override;
   Vec3 surface_normal(Index triangle, Configuration c) const override;
   int region(const EmbeddedPoint& p) const override;
+  std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const override;
   Elasticity elasticity(const EmbeddedPoint& p) const override;
 
  private:
   const SolidQueries& queries(Configuration c) const {
     return queries_[static_cast<std::size_t>(c)];
   }
+  void doubt(Setup& setup) const;
   void update_materials();
   void assemble(const StepContext& context);
   void balance(const StepContext& context);
@@ -100,6 +117,9 @@ class Tissue : public Component, public SolidBody {
   Real moved_since_linearised() const;
   void move_queries(Configuration c, const VecX& x);
   void update_node_rotations();
+  void start_moving();
+  void stiffen_supports(Real scale);
+  void add_outer_forces();
 
   // Input, after the layers have spoken.
   std::map<int, Material> materials_;
@@ -107,6 +127,20 @@ class Tissue : public Component, public SolidBody {
   std::vector<Real> mass_;   ///< lumped, per node (kg)
   std::vector<char> fixed_;  ///< per node
   Real edge_length_ = 0;     ///< mean, at rest (m)
+  struct Support {
+    Index node = 0;
+    std::array<bool, 3> along{};
+    Vec3 target = Vec3::Zero();
+  };
+  Vec3 support_force(const Support& support) const;
+  std::vector<Support> supports_;
+  VecX slides_;                 ///< per dof: 0 where a support holds it, else 1
+  Real support_stiffness_ = 0;  ///< N/m
+  struct Carried {
+    Index node = 0;
+    Vec3 target = Vec3::Zero();
+  };
+  std::vector<Carried> carried_;
 
   // State; during a step, the guess of its end.
   VecX x_, v_;

@@ -48,6 +48,9 @@ void Tissue::begin_step(const StepContext& context) {
     in_step_ = true;
   }
   v_ = start_v_;
+  // A fixed node keeps the velocity that it has: so it is given the one that leads to its target.
+  for (const Carried& c : carried_)
+    v_.segment<3>(3 * c.node) = (c.target - start_x_.segment<3>(3 * c.node)) / context.dt;
   x_ = start_x_ + context.dt * v_;
   move_queries(Configuration::current, x_);
   linearisations_ = 0;
@@ -60,6 +63,8 @@ void Tissue::assemble(const StepContext& context) {
   A_->set_zero();
   elastic_force_.setZero();
   elastic_->linearise(x_, h * h + h * damping_stiffness, *A_, elastic_force_);
+  stiffen_supports(h * h + h * damping_stiffness);
+  add_outer_forces();
   A_->add_diagonal(mass_, 1 + h * damping_mass);
   linearised_at_ = x_;
   if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
@@ -136,6 +141,7 @@ void Tissue::correct(const StepContext& context, const VecX& force_change) {
   move_queries(Configuration::current, x_);
   elastic_force_.setZero();
   elastic_->add_force(x_, elastic_force_);
+  add_outer_forces();
   balance(context);
 }
 
@@ -145,16 +151,19 @@ Imbalance Tissue::imbalance(const StepContext& context, const VecX& force) {
   // Sums of squares over the nodes: what is missing, and what is at work.
   Real missing = 0, pushed = force.squaredNorm(), weight = 0, inertia = 0, reaction = 0;
   for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
-    const Vec3 r = missing_.segment<3>(3 * i) / h + force.segment<3>(3 * i);
+    Vec3 r = missing_.segment<3>(3 * i) / h + force.segment<3>(3 * i);
     if (fixed_[static_cast<std::size_t>(i)]) {
       reaction += r.squaredNorm();
       continue;
     }
+    // Along a support what is left is its rounding: a gap a million times smaller than any other.
+    if (!supports_.empty()) r = r.cwiseProduct(slides_.segment<3>(3 * i));
     missing += r.squaredNorm();
     if (!(r.norm() <= worst.force)) worst.force = r.norm();
     weight += (mass_[i] * context.gravity).squaredNorm();
     inertia += (mass_[i] / h * (v_ - start_v_).segment<3>(3 * i)).squaredNorm();
   }
+  for (const Support& s : supports_) reaction += support_force(s).squaredNorm();
   const Real rounding = 1e-9 * young * edge_length_ * edge_length_;
   at_work_ = std::sqrt(std::max({pushed, weight, inertia, reaction})) + rounding;
   worst.relative = std::sqrt(missing) / at_work_;
@@ -162,11 +171,13 @@ Imbalance Tissue::imbalance(const StepContext& context, const VecX& force) {
 }
 
 void Tissue::end_step(const StepContext& context, const VecX& force) {
+  reaction_.setZero();
   for (std::size_t i = 0; i < fixed_.size(); ++i) {
     const auto n = 3 * static_cast<Index>(i);
     if (fixed_[i])
       reaction_.segment<3>(n) = -missing_.segment<3>(n) / context.dt - force.segment<3>(n);
   }
+  for (const Support& s : supports_) reaction_.segment<3>(3 * s.node) += support_force(s);
   in_step_ = false;
 }
 

@@ -32,7 +32,9 @@ void twist_stiffness(const Lanes (&E)[6], const Lanes& mu, const Lanes& lambda, 
     Mat3 g;
     g << G[0][k], G[3][k], G[4][k], G[3][k], G[1][k], G[5][k], G[4][k], G[5][k], G[2][k];
     Mat3 raised = Mat3::Zero();
-    if (g.allFinite()) {
+    const bool matters =
+        g.cwiseAbs().maxCoeff() > 0.05 * modulus[k];  // against the strain's own stiffness
+    if (matters && g.allFinite()) {
       Eigen::SelfAdjointEigenSolver<Mat3> eigen;
       eigen.computeDirect(g);
       const Vec3 values = eigen.eigenvalues().cwiseMax(0).cwiseMin(4 * modulus[k]);

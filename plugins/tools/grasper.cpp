@@ -30,13 +30,14 @@ void Grasper::describe(Describe<Grasper>& d) {
       "curve over the step.");
   d.link("body", &Grasper::body_, "The needle and thread.");
   d.link("track", &Grasper::track_, "The motion of the tool.");
-  d.attribute("at", &Grasper::at_, "m", at_least(0),
+  d.attribute("at", &Grasper::at_, "m", between(0, 100),
               "Abscissa of the section that the jaws hold, from the needle tip.");
   d.attribute("grasp", &Grasper::grasp_, "s", at_least(0), "Times at which the jaws close.");
   d.attribute("release", &Grasper::release_, "s", at_least(0),
               "Times at which they open; one less than grasps: they hold on.");
-  d.attribute("stiffness", &Grasper::stiffness_, "N/m", above(0), "Of the grip, in translation.");
-  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", at_least(0),
+  d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-3, 1e9),
+              "Of the grip, in translation.");
+  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e6),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
   d.input("hold", "1", between(0, 1),
           "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "
@@ -94,9 +95,9 @@ void Grasper::drive(const StepContext& context) {
     return;
   }
   if (changed) {
-    grip_ = compose(inverse(track_->at_start()), body_->frame(at_, Configuration::current));
+    grip_ = compose(inverse(track_->start_pose()), body_->frame(at_, Configuration::current));
   }
-  target_ = compose(track_->at_end(), grip_);
+  target_ = compose(track_->pose(), grip_);
   body_->set_hold(hold_, target_, {stiffness_, rotation_stiffness_});
 }
 

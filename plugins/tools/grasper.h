@@ -1,14 +1,14 @@
 // Grasper: jaws that hold one section of a curve and carry it along a track.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "grasp_schedule.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
-#include "sutura/tools.h"
-#include "track.h"
+#include "sutura/tool.h"
 
 namespace sutura::tools {
 
@@ -25,10 +25,11 @@ class Grasper : public Component, public Driver, public Jaws {
   void grasp() override { told_ = Told::grasp; }
   void release() override { told_ = Told::release; }
   bool holding() const override { return holding_; }
+  Wrench wrench() const override { return holding_ ? body_->hold_wrench(hold_) : Wrench{}; }
 
  private:
   Link<CurveBody> body_;
-  Link<Track> track_;
+  Link<Tool> track_;
   Real at_ = 0;
   std::vector<Real> grasp_{0};
   std::vector<Real> release_;
@@ -36,7 +37,6 @@ class Grasper : public Component, public Driver, public Jaws {
   Real rotation_stiffness_ = HoldStiffness{}.rotation;
 
   enum class Told : std::uint8_t { nothing, grasp, release };
-  Wrench wrench() const { return holding_ ? body_->hold_wrench(hold_) : Wrench{}; }
 
   GraspSchedule schedule_;
   Index hold_ = -1;   ///< number of the hold in the body

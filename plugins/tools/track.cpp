@@ -1,5 +1,7 @@
 #include "track.h"
 
+#include <algorithm>
+
 #include "key_frame_file.h"
 #include "key_frames.h"
 #include "sutura/archive.h"
@@ -18,14 +20,20 @@ void Track::describe(Describe<Track>& d) {
       "half a turn apart.\n\n"
       "The header of the CSV file names columns and units in any order: `t [s], x [mm], y [mm], "
       "z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is left out is zero.");
-  d.attribute("times", &Track::times_, "s", any(), "Times of the keys, increasing.");
-  d.attribute("positions", &Track::positions_, "m", any(),
+  d.attribute("times", &Track::times_, "s", between(-1e6, 1e6), "Times of the keys, increasing.");
+  d.attribute("positions", &Track::positions_, "m", between(-1000, 1000),
               "Translation at each key, x y z one after the other; left out: none.");
-  d.attribute("rotations", &Track::rotations_, "rad", any(),
+  d.attribute("rotations", &Track::rotations_, "rad", between(-1e4, 1e4),
               "Rotation vector at each key, x y z one after the other; left out: none.");
+  d.attribute("turns", &Track::turns_, "rad", any(),
+              "Angle at each key by which the needle of 'about' has advanced along its own arc.");
   d.attribute("file", &Track::file_, "CSV file with the keys, instead of times.");
-  d.attribute("centre", &Track::centre_, "m", any(),
+  d.attribute("centre", &Track::centre_, "m", between(-1000, 1000),
               "Rotations turn about this point: the centre of the needle's arc, say.");
+  d.link("about", &Track::about_,
+         "A thread with a curved needle: rotations and turns go about the centre of its arc, as it "
+         "stands at the start, and turns about its axis. Positions then move that centre.")
+      .named_only();
   d.attribute("easing", &Track::easing_, {"linear", "smooth"},
               "Pace between two keys: constant speed, or at rest at every key (3u^2 - 2u^3).");
   d.input("position", "m", any(),
@@ -52,9 +60,14 @@ void Track::describe(Describe<Track>& d) {
 void Track::initialise(Setup& setup) {
   dt_ = setup.dt;
   std::vector<KeyFrame> keys;
+  if (about_ && !find_axis(setup)) return;
+  if (!about_ && !turns_.empty()) {
+    setup.error(*this, "'turns' needs 'about', the thread whose needle turns");
+    return;
+  }
   if (file_.path.empty()) {
     keys = keys_from_attributes(setup);
-  } else if (!times_.empty() || !positions_.empty() || !rotations_.empty()) {
+  } else if (!times_.empty() || !positions_.empty() || !rotations_.empty() || !turns_.empty()) {
     setup.error(*this, "keys are given twice, by 'file' and by 'times'; expected one of them");
   } else {
     keys = keys_from_file(setup);
@@ -115,6 +128,16 @@ std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {
     return {};
   }
   bool fits = true;
+  if (!turns_.empty() && !rotations_.empty()) {
+    setup.error(*this, "keys turn twice, by 'rotations' and by 'turns'; expected one of them");
+    return {};
+  }
+  if (!turns_.empty() && turns_.size() != n) {
+    fits = false;
+    setup.error(*this, "'turns' has " + std::to_string(turns_.size()) +
+                           " numbers; expected one for each of the " + std::to_string(n) +
+                           " times");
+  }
   const auto check = [&](const std::vector<Real>& list, const char* name) {
     if (list.empty() || list.size() == 3 * n) return;
     fits = false;
@@ -130,7 +153,8 @@ std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {
   };
   std::vector<KeyFrame> keys(n);
   for (std::size_t i = 0; i < n; ++i) {
-    keys[i] = {times_[i], triple(positions_, i), triple(rotations_, i)};
+    keys[i] = {times_[i], triple(positions_, i),
+               turns_.empty() ? triple(rotations_, i) : Vec3(turns_[i] * axis_)};
   }
   return keys;
 }
@@ -144,10 +168,39 @@ std::vector<KeyFrame> Track::keys_from_file(Setup& setup) {
     if (p.line > 0) {
       setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
     } else {
-      setup.error(*this, file.string() + ": " + p.message, Category::file);
+      const bool is_there = std::filesystem::exists(file);
+      setup.error(
+          *this,
+          file.string() + ": " + p.message + (is_there ? "" : setup.did_you_mean_file(file_.path)),
+          Category::file);
     }
   }
+  if (problems.empty()) setup.note_if_outside(*this, file_.path);
   return keys;
+}
+
+/// Centre and axis of the needle's arc: the circle that leaves the tip along its tangent and passes
+/// through the needle's end.
+bool Track::find_axis(Setup& setup) {
+  if (says("centre")) {
+    setup.error(*this, "'centre' and 'about' both say what to turn about; expected one of them");
+    return false;
+  }
+  const Vec3 tip = about_->point(0, Configuration::current);
+  const Vec3 chord = about_->point(about_->needle_length(), Configuration::current) - tip;
+  const Vec3 tangent = about_->tangent(0, Configuration::current);
+  const Vec3 across = chord - chord.dot(tangent) * tangent;
+  if (!(across.norm() > 1e-6 * chord.norm())) {
+    setup.error(*this, about_->needle_length() > 0
+                           ? "the needle of 'about' is straight: it has no centre to turn about"
+                           : "the thread of 'about' has no needle");
+    return false;
+  }
+  const Vec3 inward = across.normalized();
+  centre_ = tip + chord.squaredNorm() / (2 * chord.dot(inward)) * inward;
+  // The tip advances against the tangent, which leads from it to the thread.
+  axis_ = inward.cross(tangent);
+  return true;
 }
 
 }  // namespace sutura::tools

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "key_frames.h"
+#include "sutura/body.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
-#include "sutura/tools.h"
+#include "sutura/tool.h"
 
 namespace sutura::tools {
 
@@ -22,25 +23,25 @@ class Track : public Component, public Driver, public Tool {
 
   // Tool
   Pose pose() const override { return now_; }
+  Pose start_pose() const override { return before_; }
   void move_to(const Pose& pose) override;
-
-  /// The rigid motion of space (see key_frames.h) at the start and at the end of the step, once
-  /// `drive` has been called.
-  const Pose& at_start() const { return before_; }
-  const Pose& at_end() const { return now_; }
 
  private:
   Pose on_the_way(Real time) const;
   std::vector<KeyFrame> keys_from_attributes(Setup& setup);
   std::vector<KeyFrame> keys_from_file(Setup& setup);
+  bool find_axis(Setup& setup);
 
   std::vector<Real> times_;
   std::vector<Real> positions_;
   std::vector<Real> rotations_;
+  std::vector<Real> turns_;
+  Link<CurveBody> about_;
   File file_;
   Vec3 centre_ = Vec3::Zero();
   Easing easing_ = Easing::linear;
 
+  Vec3 axis_ = Vec3::Zero();  ///< of the needle that `about` names
   KeyFrames frames_;
   Pose before_, now_;  ///< at the start and the end of the last step
   Real dt_ = 0;        ///< of a whole step, s

@@ -42,7 +42,8 @@ int check(const SceneArguments& arguments) {
   if (!scene) return report(diagnostics);
   const std::size_t components = scene->components().size();
   // Files are read by the components themselves when they are initialised.
-  const auto simulation = Simulation::compile(std::move(scene), {}, diagnostics);
+  const auto simulation =
+      Simulation::compile(std::move(scene), {}, diagnostics, arguments.allow_outside);
   if (!simulation) return report(diagnostics);
   report(diagnostics);  // warnings
   const std::size_t bodies = simulation->bodies().size();

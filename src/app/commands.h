@@ -17,6 +17,7 @@ struct SceneArguments {
   std::string scene;
   std::vector<std::string> settings;  ///< "path.attribute=value"
   std::vector<std::string> plugin_directories;
+  bool allow_outside = false;  ///< files outside of the output folder
 };
 
 struct RunArguments {

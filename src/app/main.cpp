@@ -28,6 +28,8 @@ void add_scene(CLI::App& command, SceneArguments& arguments) {
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--allow-outside", arguments.allow_outside,
+                   "Lets the scene write files outside of the output folder");
   add_plugin_path(command, arguments.plugin_directories);
 }
 

@@ -74,6 +74,7 @@ bool run_options(const RunArguments& arguments, RunOptions& options) {
                        : arguments.output;
   options.steps = arguments.steps;
   options.resume = arguments.resume;
+  options.allow_outside = arguments.scene.allow_outside;
   if (!arguments.duration.empty()) {
     options.duration = time_of("--duration", arguments.duration);
     if (!options.duration) return false;

@@ -1,8 +1,11 @@
 // From the tree of a scene to the flat lists of a simulation.
 #include <algorithm>
+#include <exception>
+#include <new>
 #include <set>
 
 #include "runtime/gauss_seidel_component.h"
+#include "runtime/output_folder.h"
 #include "runtime/state.h"
 #include "solve/compliance_stage.h"
 #include "solve/law_check.h"
@@ -32,6 +35,36 @@ class InitialisationOrder {
   std::vector<Component*> order_;
 };
 
+/// A component that throws broke its promise; the report names it, whatever it threw.
+void call(Component& component, void (Component::*phase)(Setup&), Setup& setup) {
+  const std::string plugin = component.info().plugin;
+  const std::string whose = plugin == "core" ? "Sutura" : "the plugin '" + plugin + "'";
+  try {
+    (component.*phase)(setup);
+  } catch (const std::bad_alloc&) {
+    setup.error(component, component.info().name + " asks for more memory than there is");
+  } catch (const std::exception& e) {
+    setup.error(component,
+                component.info().name + " failed while it was initialised: " + e.what() +
+                    " (a fault in " + whose + ", not in the scene: please report it)",
+                Category::internal);
+  } catch (...) {
+    setup.error(component,
+                component.info().name + " failed while it was initialised (a fault in " + whose +
+                    ", not in the scene: please report it)",
+                Category::internal);
+  }
+}
+
+/// As OutputFolder wants them; what lies outside of the folder is nobody's to remove.
+std::vector<std::string> written_files(const Setup& setup) {
+  std::vector<std::string> out;
+  for (const auto& [name, claim] : setup.claims)
+    if (!name.starts_with('/') && !name.starts_with(".."))
+      out.push_back(claim.pattern.empty() ? name : name + '/' + claim.pattern);
+  return out;
+}
+
 }  // namespace
 
 Simulation::Simulation() = default;
@@ -39,7 +72,7 @@ Simulation::~Simulation() = default;
 
 std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
                                                 const std::filesystem::path& output_directory,
-                                                Diagnostics& diagnostics) {
+                                                Diagnostics& diagnostics, bool allow_outside) {
   std::unique_ptr<Simulation> s(new Simulation);
   s->scene_ = std::move(scene);
   const std::vector<Component*> document = s->scene_->components();
@@ -49,22 +82,25 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
               .scene_directory = s->scene_->file.parent_path(),
               .output_directory = output_directory,
               .dt = s->scene_->dt,
-              .gravity = s->scene_->gravity};
+              .gravity = s->scene_->gravity,
+              .scene = s->scene_.get(),
+              .allow_outside = allow_outside};
   // A component whose targets failed is left alone: it could only stumble over their remains.
   std::set<const Component*> failed;
   for (Component* c : order.components()) {
     const std::vector<Component*>& links = s->scene_->links_of(*c);
-    const std::size_t errors = diagnostics.errors();
+    setup.errors_before = diagnostics.errors();
     setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
     const bool stands = std::none_of(links.begin(), links.end(),
                                      [&](const Component* t) { return failed.contains(t); });
-    if (stands) c->initialise(setup);
-    if (!stands || diagnostics.errors() > errors) failed.insert(c);
+    if (stands) call(*c, &Component::initialise, setup);
+    if (!stands || !setup.ok()) failed.insert(c);
   }
   if (!diagnostics.ok()) return nullptr;
   for (Component* c : order.components()) {
     setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
-    c->ready(setup);
+    setup.errors_before = diagnostics.errors();
+    call(*c, &Component::ready, setup);
   }
   if (!diagnostics.ok()) return nullptr;
 
@@ -98,14 +134,37 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
     if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
   }
+  if (!s->settle(diagnostics)) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->compliance_ = std::make_unique<ComplianceStage>();
   s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();
+  s->output_directory_ = output_directory;
+  s->written_files_ = written_files(setup);
   return s;
 }
 
+/// Bodies that are to begin in balance: under what the drivers say of time 0.
+bool Simulation::settle(Diagnostics& diagnostics) {
+  const auto wants = [](const NamedBody& b) { return b.body->wants_settling(); };
+  if (std::none_of(bodies_.begin(), bodies_.end(), wants)) return true;
+  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
+  for (Driver* driver : drivers_) driver->drive({.dt = 0, .gravity = scene_->gravity});
+  for (const NamedBody& b : bodies_) {
+    if (!wants(b)) continue;
+    const std::string problem = b.body->settle(scene_->gravity);
+    if (!problem.empty())
+      diagnostics.error(scene_->find(b.path)->location(), b.path, "settle: " + problem);
+  }
+  return diagnostics.ok();
+}
+
 std::string Simulation::start_recording() {
+  if (!written_files_.empty()) {
+    output_ = std::make_unique<OutputFolder>();
+    record_error_ = output_->take(output_directory_, written_files_);
+    if (!record_error_.empty()) return record_error_;
+  }
   recording_ = true;
   for (Recorder* recorder : recorders_) {
     std::string error = recorder->start(*this);
@@ -116,6 +175,11 @@ std::string Simulation::start_recording() {
 }
 
 std::string Simulation::resume_recording() {
+  if (!written_files_.empty()) {
+    output_ = std::make_unique<OutputFolder>();
+    record_error_ = output_->take(output_directory_, written_files_, OutputFolder::Before::stays);
+    if (!record_error_.empty()) return record_error_;
+  }
   recording_ = true;
   record_error_.clear();
   for (Recorder* recorder : recorders_) {
@@ -131,6 +195,7 @@ std::string Simulation::finish_recording() {
     const std::string error = recorder->finish(*this);
     if (record_error_.empty()) record_error_ = error;
   }
+  output_.reset();
   return record_error_;
 }
 

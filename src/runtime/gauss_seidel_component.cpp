@@ -25,7 +25,7 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
               {.low = 0, .high = 1e-3, .low_open = true},
               "Law residual at which the solve stops; at most 1e-3, where events would fire on "
               "transient forces.");
-  d.attribute("sweeps", &GaussSeidel::sweeps_, at_least(1),
+  d.attribute("sweeps", &GaussSeidel::sweeps_, between(1, 1000000),
               "Budget: sweeps over all blocks in one solve.");
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");
   d.attribute("acceleration", &GaussSeidel::acceleration_, {"none", "nncg", "subspace"},
@@ -56,7 +56,8 @@ void GaussSeidel::initialise(Setup& setup) {
                        .sweeps = sweeps_,
                        .seed = static_cast<std::uint64_t>(seed_),
                        .acceleration = acceleration_};
-  if (!dump_.empty()) dump_folder_ = setup.output_directory / dump_;
+  if (dump_.empty()) return;
+  if (const auto place = setup.output(*this, "dump", dump_, "*.problem")) dump_folder_ = *place;
 }
 
 /// The order of blocks is seeded anew in every solve and is no state.

@@ -41,7 +41,8 @@ RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
     result.end = RunEnd::no_end;
     return result;
   }
-  const auto simulation = Simulation::compile(std::move(scene), options.output, diagnostics);
+  const auto simulation =
+      Simulation::compile(std::move(scene), options.output, diagnostics, options.allow_outside);
   if (!simulation) {
     result.end = RunEnd::refused;
     return result;

@@ -51,24 +51,13 @@ void Simulation::begin_report() {
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both
 /// as measured there. False if the passes do not get that far.
 bool Simulation::balance(StepContext context, Timer& timer) {
-  // Tracks and graspers say where the tools are at the end of the step.
+  // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
+  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   for (Driver* driver : drivers_) driver->drive(context);
   for (const NamedBody& b : bodies_) b.body->begin_step(context);
   build(context, timer);
 
-  if (getenv("SDBG")) {
-    measure(context);
-    fprintf(stderr, "step %ld guess viol %.2e", (long)context.step, violation_);
-    for (auto& i : imbalance_) fprintf(stderr, "  %.2e (%.2e N)", i.relative, i.force);
-    const ConstraintBlock* w = nullptr;
-    for (auto& b : problem_.blocks)
-      if (!w || b.violation > w->violation) w = &b;
-    if (w)
-      fprintf(stderr, " worst %s %ld lam %.3g mode %d", w->law->name,
-              (long)(w - problem_.blocks.data()), problem_.lambda[w->first_row], (int)w->mode);
-    fprintf(stderr, "\n");
-  }
   Index least = 1;
   for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
   const Index most = std::max(least, scene_->limits.passes);
@@ -80,20 +69,6 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     build(context, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
-    if (getenv("SDBG")) {
-      fprintf(stderr, "step %ld dt %.3g pass %ld viol %.2e events %ld", (long)context.step,
-              context.dt, (long)context.pass, violation_, (long)events);
-      for (auto& i : imbalance_) fprintf(stderr, "  %.2e (%.2e N)", i.relative, i.force);
-      {
-        const ConstraintBlock* w = nullptr;
-        for (auto& b : problem_.blocks)
-          if (!w || b.violation > w->violation) w = &b;
-        if (w)
-          fprintf(stderr, " worst %s %ld lam %.3g mode %d", w->law->name,
-                  (long)(w - problem_.blocks.data()), problem_.lambda[w->first_row], (int)w->mode);
-      }
-      fprintf(stderr, " gs %ld %.1e\n", (long)report_.solve.sweeps, report_.solve.residual);
-    }  // DBG
     if (!std::isfinite(violation_)) return false;
     if (!balanced || context.pass < least) continue;
     // What cannot be undone happens on forces that have been verified, all that is due at once.

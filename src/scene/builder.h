@@ -32,6 +32,11 @@ class SceneBuilder {
     return added;
   }
 
+  /// The scene gives this attribute a value.
+  static void note(Component& component, const std::string& attribute) {
+    component.said_.push_back(attribute);
+  }
+
   /// Sets the link of the given number in the description of `owner`. Set in ascending order.
   static void link(Scene& scene, Component& owner, std::size_t number, Component& target) {
     owner.info().links[number].assign(owner, target);

@@ -40,6 +40,7 @@ class Resolver {
   void resolve(const PendingLink& pending) {
     pending_ = &pending;
     link_ = &pending.owner->info().links[pending.number];
+    if (pending.text.empty() && link_->is_named_only) return;
     Component* target = pending.text.empty() ? only_one_in_reach() : named();
     if (target) SceneBuilder::link(scene_, *pending.owner, pending.number, *target);
   }

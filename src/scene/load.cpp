@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "scene/links.h"
+#include "scene/nearest_file.h"
 #include "scene/reader.h"
 #include "scene/xml_tree.h"
 #include "sutura/scene.h"
@@ -18,7 +19,11 @@ std::optional<std::string> read_file(const std::filesystem::path& file, Diagnost
   };
   std::error_code code;
   const auto status = std::filesystem::status(file, code);
-  if (!std::filesystem::exists(status)) return fail("the scene does not exist");
+  if (!std::filesystem::exists(status)) {
+    const std::string near = nearest_file(".", file.string());
+    return fail("the scene does not exist" +
+                (near.empty() ? "" : "; did you mean '" + near + "'?"));
+  }
   if (std::filesystem::is_directory(status)) return fail("this is a folder; expected a scene");
   std::ifstream stream(file, std::ios::binary);
   std::string text(XmlLimits::bytes + 1, '\0');

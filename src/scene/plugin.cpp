@@ -7,6 +7,8 @@
 #include <exception>
 #include <filesystem>
 
+#include "scene/plugin_file.h"
+
 namespace sutura {
 
 namespace fs = std::filesystem;
@@ -91,6 +93,8 @@ bool load_plugin(Registry& registry, const std::string& name,
         fs::path(directory) / (std::string(file_prefix) + name + std::string(file_suffix));
     std::error_code ignored;
     if (!fs::exists(file, ignored)) continue;
+    if (const std::string wrong = check_plugin_file(file); !wrong.empty())
+      return fail("plugin '" + name + "' cannot be loaded: " + file.string() + ' ' + wrong);
     // Never closed once enrolled: the registry holds functions that live in it.
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library) {

@@ -17,16 +17,14 @@ std::string shown(std::string_view name) {
 }
 
 const std::vector<std::string> settings{"version", "dt", "gravity", "duration"};
+const std::vector<std::string> only_name{"name"};
+constexpr Range dt_range{.low = 1e-9, .high = 10};      // s
+constexpr Range duration_range{.low = 0, .high = 1e6};  // s: eleven days
 
 }  // namespace
 
 std::string child_path(const std::string& parent, const std::string& name) {
   return parent == "/" ? parent + name : parent + '/' + name;
-}
-
-std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::string near = nearest_name(name, candidates);
-  return near.empty() ? std::string() : "; did you mean '" + near + "'?";
 }
 
 SceneReader::SceneReader(Scene& scene, Registry& registry, Diagnostics& diagnostics,
@@ -135,12 +133,12 @@ void SceneReader::read_settings(const XmlElement& root) {
     const auto complain = [&](const std::string& message) {
       error(value.location, "", value.name + ": " + message);
     };
-    const auto read_seconds = [&](Real& out, bool zero_too) {
+    const auto read_seconds = [&](Real& out, const Range& range) {
       const std::optional<Real> seconds = parse_quantity(value.text, "s", why);
       if (!seconds) return complain(why);
-      if (*seconds < 0 || (*seconds == 0 && !zero_too))
+      if (!range.contains(*seconds))
         return complain("'" + shown(value.text) + "' is out of range: it must be " +
-                        (zero_too ? "at least 0 s" : "above 0 s"));
+                        range_text(range, "s"));
       out = *seconds;
     };
     if (value.name == "version") {
@@ -148,9 +146,9 @@ void SceneReader::read_settings(const XmlElement& root) {
       if (value.text != "1")
         complain("'" + shown(value.text) + "' is not supported; this program reads version 1");
     } else if (value.name == "dt") {
-      read_seconds(scene_.dt, false);
+      read_seconds(scene_.dt, dt_range);
     } else if (value.name == "duration") {
-      read_seconds(scene_.duration, true);
+      read_seconds(scene_.duration, duration_range);
     } else if (value.name == "gravity") {
       const auto g = parse_quantities(value.text, "m/s^2", why);
       if (!g)
@@ -184,7 +182,9 @@ void SceneReader::read_plugins(const XmlElement& root) {
       if (a.name == "name")
         name = &a;
       else
-        error(at(a.line), "", "<plugin> has no attribute '" + shown(a.name) + "', only 'name'");
+        error(at(a.line), "",
+              "<plugin> has no attribute '" + shown(a.name) + "', only 'name'" +
+                  did_you_mean(a.name, only_name));
     }
     if (!name) {
       error(at(element.line), "", "<plugin> needs a name, as in <plugin name=\"thread\"/>");
@@ -251,7 +251,9 @@ void SceneReader::read_node(const XmlElement& element, Node& parent, std::set<st
   node->parent = &parent;
   for (const XmlAttribute& a : element.attributes)
     if (a.name != "name")
-      error(at(a.line), node->path, "<node> has no attribute '" + shown(a.name) + "', only 'name'");
+      error(at(a.line), node->path,
+            "<node> has no attribute '" + shown(a.name) + "', only 'name'" +
+                did_you_mean(a.name, only_name));
   reject_text(element, node->path);
   if (name.empty()) failed_.insert(node->path);
   parent.children.push_back(std::move(node));
@@ -348,6 +350,7 @@ void SceneReader::read_values(const XmlElement& element, Component& component, N
               "<" + info.name + "> needs the attribute '" + a.name + "'");
       continue;
     }
+    SceneBuilder::note(component, a.name);
     std::string why;
     if (!read_attribute(a, component, value->text, why))
       error(value->location, component.path(), a.name + ": " + why);
@@ -367,7 +370,9 @@ void SceneReader::read_values(const XmlElement& element, Component& component, N
     if (value.name == "name" || std::find(known.begin(), known.end(), value.name) != known.end())
       continue;
     if (value.location.line == 0) continue;  // reported as an unused --set
-    const std::string meant = did_you_mean(value.name, known);
+    std::vector<std::string> candidates = known;
+    candidates.push_back("name");
+    const std::string meant = did_you_mean(value.name, candidates);
     error(value.location, component.path(),
           "<" + info.name + "> has no attribute '" + shown(value.name) + "'" +
               (meant.empty() ? "; 'sutura describe " + info.name + "' lists what it has" : meant));

@@ -79,7 +79,4 @@ class SceneReader {
 /// "/" + "skin" -> "/skin".
 std::string child_path(const std::string& parent, const std::string& name);
 
-/// " ; did you mean 'x'?" or nothing.
-std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
-
 }  // namespace sutura

@@ -100,7 +100,8 @@ class Writer {
     const std::unique_ptr<Component> fresh = info.create();
     for (const AttributeInfo& a : info.attributes) {
       const std::string text = write_attribute(a, c);
-      if (a.is_required || text != write_attribute(a, *fresh)) attribute(a.name, text);
+      if (a.is_required || c.says(a.name) || text != write_attribute(a, *fresh))
+        attribute(a.name, text);
     }
     const std::vector<Component*>& targets = SceneBuilder::slots(scene_, c);
     for (std::size_t i = 0; i < targets.size(); ++i)

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 
 #include "scene/xml_tree.h"
 
@@ -19,9 +20,36 @@ bool is_name_char(char c) {
   return is_name_start(c) || (c >= '0' && c <= '9') || c == '-' || c == '.';
 }
 
+std::string odd_byte(char c) {
+  const auto value = static_cast<unsigned char>(c);
+  char hex[8];
+  std::snprintf(hex, sizeof hex, "0x%02x", value);
+  return value < 0x20
+             ? std::string("the control character ") + hex + ", which XML does not allow"
+             : std::string("the byte ") + hex + " is not UTF-8; save the file as UTF-8 text";
+}
+
 std::string shortened(std::string_view text) {
   constexpr std::size_t longest = 60;
   return text.size() <= longest ? std::string(text) : std::string(text.substr(0, longest)) + "...";
+}
+
+/// Bytes of the character that begins the text, or 0: no UTF-8, or a control character, which XML
+/// does not allow.
+std::size_t character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first >= 0x20 || is_blank(text[0]) ? 1 : 0;
+  const std::size_t size = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < size) return 0;
+  unsigned code = first & (0xFFu >> (size + 1));
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(i) & 0xC0u) != 0x80u) return 0;
+    code = code << 6 | (byte(i) & 0x3Fu);
+  }
+  const bool is_shortest = size == 2 || code >= (size == 3 ? 0x800u : 0x10000u);
+  const bool is_character = code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
+  return is_shortest && is_character ? size : 0;
 }
 
 /// One pass over the text, never back, so that hostile input costs no more than its length.
@@ -212,6 +240,12 @@ bool Scanner::document() {
   if (const std::size_t nul = text_.find('\0'); nul != std::string_view::npos) {
     advance(nul);
     return fail("a NUL byte: this is not UTF-8 text");
+  }
+  for (std::size_t i = 0, size; i < text_.size(); i += size) {
+    size = character(text_.substr(i));
+    if (size > 0) continue;
+    advance(i);
+    return fail(odd_byte(text_[i]));
   }
   if (text_.starts_with("\xEF\xBB\xBF")) i_ = 3;  // byte order mark
   if (text_.find_first_not_of(" \t\r\n", i_) == std::string_view::npos)

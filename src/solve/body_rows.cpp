@@ -1,4 +1,6 @@
 // The rows H of one body, and the compliance that any body has by solving one column per row.
+#include <charconv>
+
 #include "sutura/body.h"
 
 namespace sutura {
@@ -26,6 +28,16 @@ void BodyRows::add_product(const VecX& u, VecX& delta) const {
       delta[row[i]] +=
           u.segment(node[static_cast<std::size_t>(e)] * width, width)
               .dot(Eigen::Map<const VecX>(&value[static_cast<std::size_t>(e * width)], width));
+}
+
+std::optional<int> SolidBody::find_region(const std::string& name_or_tag,
+                                          std::string& error) const {
+  int tag = 0;
+  const char* end = name_or_tag.data() + name_or_tag.size();
+  const auto [rest, code] = std::from_chars(name_or_tag.data(), end, tag);
+  if (code == std::errc{} && rest == end) return tag;
+  error = "'" + name_or_tag + "' is no number, and this solid has no names of regions";
+  return {};
 }
 
 bool Body::chain_compliance(const BodyRows&, Real, ChainCompliance&) const {

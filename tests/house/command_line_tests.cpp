@@ -80,19 +80,56 @@ TEST_F(CommandLine, AFolderThatCannotBeWrittenIsThree) {
 }
 
 TEST_F(CommandLine, DivergenceIsFourAndLosesNothing) {
-  // A mass and a gravity whose product is no number any more.
+  // A gravity and a step whose product is no number any more.
   const std::string file = scene(
-      "<sutura version=\"1\" gravity=\"0 0 -1e308\" duration=\"1 s\">"
+      "<sutura version=\"1\" dt=\"10 s\" gravity=\"0 0 -1e308\" duration=\"100 s\">"
       "<plugin name=\"tissue\"/><plugin name=\"output\"/>"
       "<TetMesh file=\"" SUTURA_SOURCE_DIR
       "/scenes/meshes/block.msh\" unit=\"mm\"/>"
-      "<Tissue density=\"1e20\"/><CsvProbe columns=\"/tissue.lowest\"/></sutura>");
+      "<Tissue/><CsvProbe columns=\"/tissue.lowest\"/></sutura>");
   const Outcome out = command("run " + file + output());
   EXPECT_EQ(out.code, 4) << out.text;
   EXPECT_NE(out.text.find("diverged: the state is no longer finite"), std::string::npos)
       << out.text;
   EXPECT_GE(lines(csv()), 2);
   EXPECT_TRUE(csv().ends_with('\n'));
+}
+
+TEST_F(CommandLine, FilesOutsideOfTheOutputFolderNeedLeave) {
+  const std::string file = scene(
+      "<sutura version=\"1\"><plugin name=\"tools\"/><plugin name=\"output\"/>"
+      "<Track times=\"0\"/><CsvProbe columns=\"/track.position\" file=\"../outside.csv\"/>"
+      "</sutura>");
+  const fs::path outside = folder_.path() / "outside.csv";
+  EXPECT_EQ(command("check " + file).code, 2);
+  EXPECT_EQ(command("run " + file + " --steps 1" + output()).code, 2);
+  EXPECT_FALSE(fs::exists(outside));
+  EXPECT_EQ(command("check --allow-outside " + file).code, 0);
+  const Outcome out = command("run --allow-outside " + file + " --steps 1" + output());
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_TRUE(fs::exists(outside));
+}
+
+TEST_F(CommandLine, OneRunOwnsItsFolder) {
+  EXPECT_EQ(command("run " + probe + " --steps 3" + output()).code, 0);
+  const Outcome busy =
+      command("run " + probe + " --steps 3" + output(),
+              "flock --exclusive '" + (folder_.path() / "out/.sutura_files").string() + "' ");
+  EXPECT_EQ(busy.code, 3) << busy.text;
+  EXPECT_NE(busy.text.find("another run is writing to"), std::string::npos) << busy.text;
+}
+
+TEST_F(CommandLine, APluginThatIsCutShortIsSix) {
+  const fs::path plugin = folder_.path() / "libsutura_cut.so";
+  fs::copy_file(SUTURA_BINARY_DIR "/lib/sutura/libsutura_tools.so", plugin);
+  const std::string file = scene("<sutura version=\"1\"><plugin name=\"cut\"/></sutura>");
+  for (const int size : {0, 30, 1000, 20000, 60000}) {
+    fs::resize_file(plugin, static_cast<std::uintmax_t>(size));
+    const Outcome out =
+        command("check " + file + " --plugin-path '" + folder_.path().string() + "'");
+    EXPECT_EQ(out.code, 6) << size << ": " << out.text;
+    EXPECT_NE(out.text.find("plugin 'cut' cannot be loaded"), std::string::npos) << out.text;
+  }
 }
 
 // Five hundred times its weight crushes the block: the summary counts the steps and shows the
@@ -143,7 +180,8 @@ TEST_F(CommandLine, DescribeKnowsEveryPlugin) {
        {"GaussSeidel", "SutureThread", "Tissue", "Puncture", "Grasper", "CsvProbe"})
     EXPECT_NE(index.text.find(name), std::string::npos) << name;
   const Outcome one = command("describe Tissue");
-  EXPECT_NE(one.text.find("young: real above 0 Pa; default "), std::string::npos) << one.text;
+  EXPECT_NE(one.text.find("young: real between 0.01 and 1e+13 Pa; default "), std::string::npos)
+      << one.text;
 }
 
 }  // namespace

@@ -13,6 +13,10 @@ file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 file(COPY ${SOURCE}/plugins/hello_law DESTINATION ${WORK})
 
+if(NOT EXISTS ${WORK}/prefix/share/doc/sutura/LICENSE)
+  message(FATAL_ERROR "the installed tree has no LICENSE")
+endif()
+
 # The package must do without the tree it was built from: its files may not name it.
 file(GLOB_RECURSE package_files ${WORK}/prefix/*.cmake ${WORK}/prefix/*.h)
 foreach(file IN LISTS package_files)
@@ -27,6 +31,15 @@ run(${CMAKE_COMMAND} -S ${WORK}/hello_law -B ${WORK}/build -G ${GENERATOR} -DCMA
     -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build --output-on-failure)
+
+# A host of one's own, as docs/extend/embed.md lists it.
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/host -B ${WORK}/host -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/host)
+run(${WORK}/host/my_simulator ${SOURCE}/scenes/components/Grasper.xml)
+if(NOT last_output MATCHES "the jaws pull with [0-9.]+ mN")
+  message(FATAL_ERROR "the host says\n${last_output}")
+endif()
 
 # The command finds the plugins of the package by itself and the stranger's by the variable.
 run(${CMAKE_COMMAND} -E env SUTURA_PLUGIN_PATH=${WORK}/build ${WORK}/prefix/bin/sutura run

@@ -56,7 +56,7 @@ Trace trace(WatchedRun& run, const View& view, Index steps) {
 
 Trace trace(const RandomScene& scene, const View& view) {
   const house::TemporaryFolder folder("invariance_" + std::to_string(scene.seed));
-  WatchedRun run(scene.write(folder.path(), view));
+  WatchedRun run(scene.write(folder.path(), view), {}, true);
   if (!run) return {};
   run.solver().tolerance = 1e-9;  // where the solver stops is not what is asked here
   return trace(run, view, scene.steps);
@@ -222,7 +222,7 @@ class TurnedStitch {
     const std::size_t recorders = text.find("<VtuRecorder"), end = text.find("</sutura>");
     text.replace(recorders, end - recorders, "<WatchedSolver/>\n");
     std::ofstream(folder_ / "stitch.xml") << text;
-    WatchedRun run(folder_ / "stitch.xml");
+    WatchedRun run(folder_ / "stitch.xml", {}, true);
     run.solver().tolerance = 1e-9;
     return trace(run, view, steps);
   }

@@ -9,6 +9,7 @@
 
 #include "solve/gauss_seidel.h"
 #include "sutura/describe.h"
+#include "sutura/plugin.h"
 #include "sutura/simulation.h"
 
 namespace sutura::testing {
@@ -40,9 +41,12 @@ class WatchedSolver : public Component, public ConstraintSolver {
 
 class WatchedRun {
  public:
-  /// The scene names a WatchedSolver, if anybody wants to watch.
-  explicit WatchedRun(const std::filesystem::path& file, const LoadOptions& more = {}) {
+  /// The scene names a WatchedSolver, if anybody wants to watch. `any_size` takes away the ranges
+  /// of attributes, which are those of real needles and tissue: for scenes in other units.
+  explicit WatchedRun(const std::filesystem::path& file, const LoadOptions& more = {},
+                      bool any_size = false) {
     enrol_builtin(registry_);
+    if (any_size) lift_ranges();
     registry_.component<WatchedSolver>("WatchedSolver");
     LoadOptions options = more;
     options.plugin_directories = {SUTURA_BINARY_DIR "/lib/sutura"};
@@ -73,6 +77,16 @@ class WatchedRun {
   }
 
  private:
+  void lift_ranges() {
+    const std::vector<std::string> folders{SUTURA_BINARY_DIR "/lib/sutura"};
+    Diagnostics diagnostics;
+    for (const std::string& name : available_plugins(folders))
+      load_plugin(registry_, name, folders, {}, diagnostics);
+    for (const ComponentInfo* info : registry_.components())
+      for (AttributeInfo& a : const_cast<ComponentInfo*>(info)->attributes)
+        if (!a.unit.empty()) a.range = any();
+  }
+
   Registry registry_;
   std::unique_ptr<Simulation> simulation_;
 };

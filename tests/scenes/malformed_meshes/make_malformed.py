@@ -233,8 +233,8 @@ def vtu(name, old, new, line, words):
 vtu("vtu_not_xml.vtu", "</Points>", "</Pints>", 5, "not well-formed XML")
 vtu("vtu_polydata.vtu", 'type="UnstructuredGrid"', 'type="PolyData"', 2, 'expected type="UnstructuredGrid"')
 vtu("vtu_root.vtu", VTU, "<mesh/>", 1, "expected the element <VTKFile>")
-vtu("vtu_compressed.vtu", 'byte_order="LittleEndian"', 'byte_order="LittleEndian" compressor="vtkZLibDataCompressor"', 2,
-    "save the mesh without compression")
+vtu("vtu_compressed.vtu", 'byte_order="LittleEndian"', 'byte_order="LittleEndian" compressor="vtkLZ4DataCompressor"', 2,
+    "expected vtkZLibDataCompressor")
 vtu("vtu_no_piece.vtu", VTU[VTU.index("<Piece"):VTU.index("</UnstructuredGrid>")], "", 3, "has no element <Piece>")
 vtu("vtu_two_pieces.vtu", "</Piece>", '</Piece><Piece NumberOfPoints="0" NumberOfCells="0"/>', 18, "more than one <Piece>")
 vtu("vtu_negative_points.vtu", 'NumberOfPoints="4"', 'NumberOfPoints="-4"', 4, "expected a count")

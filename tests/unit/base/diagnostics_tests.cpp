@@ -32,12 +32,25 @@ TEST(NearestName, FindsMisspellings) {
   EXPECT_EQ(nearest_name("poison", names), "poisson");
   EXPECT_EQ(nearest_name("tetmesh", names), "TetMesh");  // case is no difference
   EXPECT_EQ(nearest_name("TatMash", names), "TetMesh");  // two letters of seven
+  EXPECT_EQ(nearest_name("td", names), "dt");
+}
+
+TEST(NearestName, KnowsOtherSpellingsAndOtherPrograms) {
+  const std::vector<std::string> names{"young", "poisson", "density", "TetMesh", "tip_direction"};
+  EXPECT_EQ(nearest_name("tet-mesh", names), "TetMesh");
+  EXPECT_EQ(nearest_name("TIP DIRECTION", names), "tip_direction");
+  EXPECT_EQ(nearest_name("youngModulus", names), "young");      // SOFA
+  EXPECT_EQ(nearest_name("youngs_modulus", names), "young");    // most finite element codes
+  EXPECT_EQ(nearest_name("MeshGmshLoader", names), "TetMesh");  // SOFA
+  EXPECT_EQ(nearest_name("timestep", std::vector<std::string>{"gravity", "dt"}), "dt");  // MuJoCo
+  EXPECT_EQ(nearest_name("needle_tip_direction", names), "tip_direction");  // one is part of it
+  EXPECT_EQ(nearest_name("timestep", names), "");  // the word is known, but not meant here
 }
 
 TEST(NearestName, IsSilentWhenNothingIsClose) {
   const std::vector<std::string> names{"young", "poisson", "dt"};
   EXPECT_EQ(nearest_name("colour", names), "");
-  EXPECT_EQ(nearest_name("dy", names), "");  // half of the letters
+  EXPECT_EQ(nearest_name("yd", names), "");  // every letter
   EXPECT_EQ(nearest_name("", names), "");
   EXPECT_EQ(nearest_name(std::string(100000, 'y'), names), "");
   EXPECT_EQ(nearest_name("young", {}), "");

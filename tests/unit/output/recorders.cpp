@@ -81,9 +81,9 @@ class Recorders : public testing::Test {
     Diagnostics diagnostics;
     auto scene = load_scene_text("<sutura version=\"1\" dt=\"0.01 s\">" + elements + "</sutura>",
                                  "test.xml", ".", registry_, diagnostics);
+    simulation_.reset();  // one run owns the folder
     if (scene) simulation_ = Simulation::compile(std::move(scene), folder_, diagnostics);
-    for (const Diagnostic& d : diagnostics.all()) ADD_FAILURE() << d.text();
-    if (!simulation_) return "did not compile";
+    if (!diagnostics.ok()) return diagnostics.all().front().text();
     if (std::string error = simulation_->start_recording(); !error.empty()) return error;
     for (int i = 0; i < steps; ++i) simulation_->step();
     return simulation_->finish_recording();
@@ -172,19 +172,19 @@ TEST_F(Recorders, VtuHoldsBodiesAndConstraintForces) {
             std::string::npos);
   const auto rod = read_vtu_arrays(contents(folder_ / "rod/rod_000002.vtu"));
   EXPECT_EQ(rod.at("types").numbers<std::uint8_t>(), (std::vector<std::uint8_t>{3, 3, 3, 3}));
-  EXPECT_EQ(rod.at("radius [m]").numbers<double>(), std::vector<double>(5, 1e-3));
+  EXPECT_EQ(rod.at("radius [m]").numbers<float>(), std::vector<float>(5, 1e-3f));
 
   const auto none = read_vtu_arrays(contents(folder_ / "constraints/constraints_000001.vtu"));
-  EXPECT_EQ(none.at("law").numbers<double>(), std::vector<double>{-1});
-  EXPECT_EQ(none.at("force [N]").numbers<double>(), (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(none.at("law").numbers<float>(), std::vector<float>{-1});
+  EXPECT_EQ(none.at("force [N]").numbers<float>(), (std::vector<float>{0, 0, 0}));
 
   const auto some = read_vtu_arrays(contents(folder_ / "constraints/constraints_000002.vtu"));
   EXPECT_EQ(some.at("Points").numbers<double>(), (std::vector<double>{1e-3, 2e-3, 3e-3}));
-  EXPECT_EQ(some.at("force [N]").numbers<double>(), (std::vector<double>{0, 0, 0.5}));
-  EXPECT_EQ(some.at("lambda [N]").numbers<double>(), std::vector<double>{0.5});
-  EXPECT_EQ(some.at("violation [m]").numbers<double>(), std::vector<double>{0});
-  EXPECT_EQ(some.at("mode").numbers<double>(), std::vector<double>{3});
-  EXPECT_EQ(some.at("law").numbers<double>(), std::vector<double>{0});
+  EXPECT_EQ(some.at("force [N]").numbers<float>(), (std::vector<float>{0, 0, 0.5}));
+  EXPECT_EQ(some.at("lambda [N]").numbers<float>(), std::vector<float>{0.5});
+  EXPECT_EQ(some.at("violation [m]").numbers<float>(), std::vector<float>{0});
+  EXPECT_EQ(some.at("mode").numbers<float>(), std::vector<float>{3});
+  EXPECT_EQ(some.at("law").numbers<float>(), std::vector<float>{0});
   EXPECT_EQ(some.count("law 0 is pull"), 1u);
 }
 
@@ -201,6 +201,41 @@ TEST_F(Recorders, VtuEverySoManyStepsOrSeconds) {
   EXPECT_EQ(records("every='4'"), "0 4 8 ");
   EXPECT_EQ(records("interval='50 ms'"), "0 5 10 ");
   EXPECT_EQ(records("interval='25 ms'"), "0 3 5 8 10 ");  // the first step at or after each 25 ms
+}
+
+TEST_F(Recorders, AShorterRunLeavesNothingOfTheLongerOne) {
+  const std::string rod = "<Curve name='rod'/><VtuRecorder/>";
+  ASSERT_EQ(run(rod + "<CsvProbe columns='/rod.tip'/>", 3), "");
+  std::ofstream(folder_ / "notes.txt") << "mine";
+  std::ofstream(folder_ / "rod/notes.txt") << "mine";
+  ASSERT_EQ(run(rod, 1), "");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "rod/rod_000001.vtu"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "rod/rod_000002.vtu"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "probe.csv")) << "of the run before";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "notes.txt")) << "not ours to remove";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "rod/notes.txt"));
+}
+
+TEST_F(Recorders, AListThatWasTamperedWithRemovesNothingOutside) {
+  std::filesystem::create_directories(folder_ / "inside");
+  const auto outside = std::filesystem::path(folder_.string() + "_outside");
+  std::filesystem::create_directories(outside);
+  std::ofstream(outside / "a.vtu") << "mine";
+  std::filesystem::create_directory_symlink(outside, folder_ / "link");
+  std::ofstream(folder_ / ".sutura_files")
+      << outside.string() << "/a.vtu\n../" << outside.filename().string() << "/a.vtu\nlink/*.vtu\n";
+  ASSERT_EQ(run("<Curve name='rod'/><VtuRecorder/>", 1), "");
+  EXPECT_TRUE(std::filesystem::exists(outside / "a.vtu"));
+}
+
+TEST_F(Recorders, TwoRunsDoNotShareAFolder) {
+  const std::string scene = "<Curve name='rod'/><CsvProbe columns='/rod.tip'/>";
+  ASSERT_EQ(run(scene, 0), "");
+  ASSERT_EQ(simulation_->start_recording(), "");  // and goes on
+  const auto first = std::move(simulation_);
+  EXPECT_NE(run(scene, 0).find("another run is writing to " + folder_.string()), std::string::npos);
+  EXPECT_EQ(first->finish_recording(), "");
+  EXPECT_EQ(run(scene, 0), "");
 }
 
 TEST_F(Recorders, OneVtuRecorderPerScene) {

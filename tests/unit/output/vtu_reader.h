@@ -2,6 +2,8 @@
 // the text between their tags.
 #pragma once
 
+#include <zlib.h>
+
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -18,7 +20,7 @@ struct VtuArray {
   template <class T>
   std::vector<T> numbers() const {
     const std::map<std::string, std::size_t> sizes{
-        {"Float64", 8}, {"Int64", 8}, {"Int32", 4}, {"UInt8", 1}};
+        {"Float64", 8}, {"Float32", 4}, {"Int32", 4}, {"UInt8", 1}};
     if (sizes.at(type) != sizeof(T)) throw std::runtime_error("array holds " + type);
     std::vector<T> out(bytes.size() / sizeof(T));
     std::memcpy(out.data(), bytes.data(), out.size() * sizeof(T));
@@ -52,6 +54,36 @@ inline std::string attribute(const std::string& tag, const std::string& name) {
   return tag.substr(from, tag.find('"', from) - from);
 }
 
+/// Blocks of zlib after a header of 64 bit numbers: blocks, size of each, of the last, compressed
+/// sizes. Header and blocks are encoded apart.
+inline std::string decompressed(const std::string& text) {
+  const auto number = [](const std::string& bytes, std::size_t i) {
+    std::uint64_t value = 0;
+    if (bytes.size() < 8 * (i + 1)) throw std::runtime_error("the header is too short");
+    std::memcpy(&value, bytes.data() + 8 * i, 8);
+    return value;
+  };
+  const std::uint64_t blocks = number(decode_base64(text.substr(0, 12)), 0);
+  const std::size_t header_digits = (8 * (3 + blocks) + 2) / 3 * 4;
+  const std::string header = decode_base64(text.substr(0, header_digits));
+  const std::string packed = decode_base64(text.substr(header_digits));
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < blocks; ++i) {
+    const std::uint64_t last = number(header, 2);
+    uLongf size = i + 1 == blocks && last > 0 ? last : number(header, 1);
+    std::string block(size, '\0');
+    const auto length = number(header, 3 + i);
+    if (uncompress(reinterpret_cast<Bytef*>(block.data()), &size,
+                   reinterpret_cast<const Bytef*>(packed.data() + at), length) != Z_OK)
+      throw std::runtime_error("not zlib");
+    out += block;
+    at += length;
+  }
+  if (at != packed.size()) throw std::runtime_error("bytes left over");
+  return out;
+}
+
 /// Every DataArray by its Name (as written, not unescaped).
 inline std::map<std::string, VtuArray> read_vtu_arrays(const std::string& text) {
   std::map<std::string, VtuArray> arrays;
@@ -60,12 +92,8 @@ inline std::map<std::string, VtuArray> read_vtu_arrays(const std::string& text) 
     const auto end_of_tag = text.find('>', at);
     const std::string tag = text.substr(at, end_of_tag - at);
     const auto end = text.find("</DataArray>", end_of_tag);
-    const std::string bytes = decode_base64(text.substr(end_of_tag + 1, end - end_of_tag - 1));
-    std::uint64_t size = 0;
-    if (bytes.size() < 8) throw std::runtime_error("no byte count");
-    std::memcpy(&size, bytes.data(), 8);
-    if (size != bytes.size() - 8) throw std::runtime_error("byte count is wrong");
-    arrays[attribute(tag, "Name")] = {attribute(tag, "type"), bytes.substr(8)};
+    arrays[attribute(tag, "Name")] = {
+        attribute(tag, "type"), decompressed(text.substr(end_of_tag + 1, end - end_of_tag - 1))};
   }
   return arrays;
 }

@@ -16,12 +16,13 @@ std::string digest(const Scene& s) {
   return out;
 }
 
-TEST(Writer, WritesOnlyWhatIsNotDefault) {
+// `count` is given its default: written all the same, for a component may look up what is not said.
+TEST(Writer, WritesWhatTheSceneSays) {
   const auto l = load("<node name='n'><Ball radius='3 mm' colour='blue' count='2'/></node><Rod/>");
   ASSERT_TRUE(l->scene) << l->text();
   EXPECT_EQ(write_scene(*l->scene), R"(<sutura version="1" dt="0.01 s" gravity="0 0 -9.81">
   <node name="n">
-    <Ball radius="0.003 m" colour="blue"/>
+    <Ball radius="0.003 m" count="2" colour="blue"/>
   </node>
   <Rod shape="/n/ball"/>
 </sutura>

@@ -34,19 +34,19 @@ TEST_P(MeshFormats, GivesTheMeshOfTheAsciiFile) {
   EXPECT_EQ(found.mesh.region, expected.mesh.region);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, MeshFormats,
-                         ::testing::Values("msh22_binary.msh", "msh41_ascii.msh",
-                                           "msh41_binary.msh", "gmsh_ascii.vtk", "gmsh_binary.vtk",
-                                           "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk",
-                                           "vtk51_binary.vtk", "ascii.vtu", "base64.vtu",
-                                           "base64_uint64_big.vtu", "appended_raw.vtu",
-                                           "appended_base64.vtu"),
-                         [](const auto& info) {
-                           std::string name = info.param;
-                           for (char& c : name)
-                             if (c == '.') c = '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, MeshFormats,
+    ::testing::Values("msh22_binary.msh", "msh41_ascii.msh", "msh41_binary.msh", "gmsh_ascii.vtk",
+                      "gmsh_binary.vtk", "vtk42_ascii.vtk", "vtk42_binary.vtk", "vtk51_ascii.vtk",
+                      "vtk51_binary.vtk", "ascii.vtu", "base64.vtu", "base64_uint64_big.vtu",
+                      "appended_raw.vtu", "appended_base64.vtu", "compressed.vtu",
+                      "compressed_blocks_raw.vtu", "compressed_blocks_big.vtu", "meshio.vtu"),
+    [](const auto& info) {
+      std::string name = info.param;
+      for (char& c : name)
+        if (c == '.') c = '_';
+      return name;
+    });
 
 TEST(MeshFile, ReadsTheTwoBoxes) {
   MeshReading reading = read_mesh(folder / "msh22_ascii.msh");
@@ -81,10 +81,23 @@ TEST(MeshFile, ReadsTheTwoBoxes) {
 }
 
 TEST(MeshFile, RefusesWhatItCannotRead) {
-  EXPECT_NE(read_mesh(folder / "compressed.vtu").problem->message.find("without compression"),
-            std::string::npos);
   EXPECT_EQ(read_mesh(folder / "nowhere.msh").problem->message, "no such file");
   EXPECT_EQ(read_mesh(folder).problem->message, "not a regular file");
+}
+
+// A compressed file with one byte of its text changed is read as it was or refused, never more.
+TEST(MeshFile, DamagedCompressionIsSeen) {
+  const std::string sound = bytes_of(folder / "compressed.vtu");
+  const std::size_t expected = read_mesh_text(sound).mesh.points.size();
+  int refused = 0;
+  for (std::size_t i = 200; i < sound.size(); i += 7) {
+    std::string bytes = sound;
+    bytes[i] = bytes[i] == 'A' ? 'B' : 'A';
+    const MeshReading reading = read_mesh_text(bytes);
+    refused += reading.ok() ? 0 : 1;
+    EXPECT_LE(reading.mesh.points.size(), expected) << i;
+  }
+  EXPECT_GT(refused, 100);
 }
 
 TEST(MeshFile, SaysWhereAMalformedFileIsWrong) {

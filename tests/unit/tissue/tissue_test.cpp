@@ -171,16 +171,43 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{MESH "<Tissue/><Attach nodes='0.5'/>", "expected whole numbers", 2}));
 
 TEST(TetMesh, GuessesThatMillimetresWereMeant) {
-  TissueScene small("<TetMesh file='tests/unit/tissue/meshes/msh22_ascii.msh' unit='m'/><Tissue/>");
+  TissueScene small(
+      "<TetMesh file='tests/unit/tissue/meshes/msh22_ascii.msh' unit='m'/>"
+      "<Tissue element='t4'/><Attach nodes='0 1 2'/>");
   EXPECT_EQ(all_messages(small.diagnostics), "");
   TissueScene pad("<TetMesh file='scenes/meshes/pad.msh'/><Tissue/>");
   EXPECT_NE(all_messages(pad.diagnostics).find("set unit=\"mm\""), std::string::npos);
   EXPECT_TRUE(pad.diagnostics.ok());
 }
 
-// What issue 2 asks of the pad of the demo.
+TEST(Tissue, DoubtsWhatIsSeldomMeant) {
+  const auto said = [](const std::string& tissue, const std::string& words) {
+    TissueScene s(MESH + tissue);
+    EXPECT_TRUE(s.diagnostics.ok());
+    return all_messages(s.diagnostics).find(words) != std::string::npos;
+  };
+  const std::string held = "<Attach nodes='0 1 2'/>";
+  EXPECT_TRUE(said("<Tissue young='20 Pa'/>" + held, "were kPa meant?"));
+  EXPECT_FALSE(said("<Tissue young='2 kPa'/>" + held, "were kPa meant?"));
+  EXPECT_TRUE(said("<Tissue/><Layer region='fat' young='5 Pa'/>" + held, "[/layer] young is 5 Pa"));
+  EXPECT_TRUE(said("<Tissue density='1'/>" + held, "density is 1 kg/m^3"));
+  EXPECT_TRUE(said("<Tissue/>", "nothing holds this tissue"));
+  EXPECT_FALSE(said("<Tissue/>" + held, "nothing holds this tissue"));
+  // Said of linear tets near incompressibility, unless the scene chose them.
+  EXPECT_TRUE(said("<Tissue poisson='0.45'/>" + held, "element=\"smoothed\" is accurate"));
+  EXPECT_TRUE(said("<Tissue poisson='0.3'/><Layer region='fat' poisson='0.45'/>" + held,
+                   "[/layer] poisson is 0.45"));
+  for (const char* element : {"t4", "smoothed"})
+    EXPECT_FALSE(said("<Tissue poisson='0.45' element='" + std::string(element) + "'/>" + held,
+                      "too stiffly"));
+  EXPECT_FALSE(said("<Tissue poisson='0.3'/>" + held, "too stiffly"));
+}
+
+// The pad of the demo.
 TEST(TetMesh, ThePadHasTwoLayersAndEnoughNodes) {
-  TissueScene s("<TetMesh file='scenes/meshes/pad.msh' unit='mm'/><Tissue/>");
+  TissueScene s(
+      "<TetMesh file='scenes/meshes/pad.msh' unit='mm'/><Tissue element='t4'/>"
+      "<Attach box='-25 -15 -10  25 15 -10 mm'/>");
   ASSERT_TRUE(s.diagnostics.ok());
   EXPECT_EQ(all_messages(s.diagnostics), "");
   const TetMesh& pad = *s.tissue().mesh;

@@ -1,7 +1,7 @@
-// Tools led by a host: by inputs that are described, and by the functions of tools.h.
+// Tools led by a host: by inputs that are described, and by the functions of tool.h.
 #include <numbers>
 
-#include "sutura/tools.h"
+#include "sutura/tool.h"
 #include "unit/tools/loaded.h"
 
 namespace sutura::tools {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Writes two_layers in every form the readers take, with programs that are not ours: gmsh and VTK.
+"""Writes two_layers in every form the readers take, with programs that are not ours: gmsh, VTK, meshio.
 
-The results are committed; Debian packages gmsh, python3-vtk9.
+The results are committed; Debian packages gmsh, python3-vtk9, python3-meshio.
 """
 import pathlib
 import re
@@ -84,3 +84,17 @@ for name, mode, header, order in (("ascii", 0, 1, 0), ("base64", 1, 1, 0), ("bas
 compressed = XML()
 compressed.SetDataModeToBinary()
 write(compressed, "compressed.vtu")
+blocks = XML()
+blocks.SetBlockSize(256)  # so that even this mesh takes several
+blocks.SetDataModeToAppended()
+blocks.SetEncodeAppendedData(False)
+blocks.SetHeaderTypeToUInt64()
+write(blocks, "compressed_blocks_raw.vtu")
+blocks.SetEncodeAppendedData(True)
+blocks.SetByteOrderToBigEndian()
+write(blocks, "compressed_blocks_big.vtu")
+
+# As meshio writes by default.
+import meshio
+mesh = meshio.read(HERE / "ascii.vtu")
+mesh.write(HERE / "meshio.vtu")

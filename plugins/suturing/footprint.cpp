@@ -1,0 +1,83 @@
+#include "footprint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sutura/archive.h"
+
+namespace sutura {
+namespace {
+
+constexpr int most_points = 16;
+constexpr Real bearable = 0.3;  // mean pressure on the disc, in units of E
+constexpr Real widest = 10;     // disc, in units of the radius of the tip
+constexpr Real deepest =
+    3;  // dent of the near field, in units of the disc: linear theory says no more
+
+}  // namespace
+
+void Footprint::archive(Archive& a) {
+  a("compliance", compliance_);
+}
+
+void Footprint::find(const SurfacePoint& surface) {
+  points_.assign(1, surface);
+  offset_.setZero();
+  compliance_ = 0;
+}
+
+void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real tip_radius,
+                     Real force) {
+  find(surface);
+  const Elasticity material = tissue.elasticity(surface.at);
+  if (!(material.young > 0)) return;
+  constexpr Real pi = std::numbers::pi;
+  const Real disc = std::clamp(std::sqrt(force / (bearable * pi * material.young)), tip_radius,
+                               widest * tip_radius);
+  const Real plane = (1 - material.poisson * material.poisson) / material.young;
+  compliance_ = plane * std::max(1 / (2 * tip_radius) - 16 / (3 * pi * pi * disc), Real(0));
+  compliance_ = std::min(compliance_, deepest * disc / force);
+
+  // Points of equal area on the disc (a sunflower), each taken to the surface.
+  points_.clear();
+  const Vec3 u = surface.normal.unitOrthogonal(), v = surface.normal.cross(u);
+  const Real golden = pi * (3 - std::sqrt(Real(5)));
+  for (int k = 0; k < most_points; ++k) {
+    const Real r = disc * std::sqrt((k + 0.5) / most_points), angle = golden * k;
+    const Vec3 p = surface.position + r * (std::cos(angle) * u + std::sin(angle) * v);
+    const auto foot = tissue.closest_surface(p, disc, Configuration::start);
+    // The other side of a slit or of a thin sheet is not under the tip.
+    if (foot && foot->normal.dot(surface.normal) > 0) points_.push_back(*foot);
+  }
+  if (points_.empty()) points_.push_back(surface);
+  Vec3 mean = Vec3::Zero();
+  for (const SurfacePoint& p : points_) mean += p.position / static_cast<Real>(points_.size());
+  offset_ = surface.position - mean;
+}
+
+Vec3 Footprint::position(const SolidBody& tissue) const {
+  Vec3 sum = Vec3::Zero();
+  for (const SurfacePoint& p : points_) sum += tissue.position(p.at, Configuration::current);
+  return sum / static_cast<Real>(points_.size()) + offset_;
+}
+
+Vec3 Footprint::normal(const SolidBody& tissue) const {
+  Vec3 sum = Vec3::Zero();
+  for (const SurfacePoint& p : points_)
+    sum += tissue.surface_normal(p.triangle, Configuration::current);
+  return sum.normalized();
+}
+
+void Footprint::couple(ConstraintBuilder& builder, BlockId block, const SolidBody& tissue,
+                       const Mat3& directions, const Vec3& at) const {
+  const Eigen::Matrix<Real, Eigen::Dynamic, 3> share =
+      directions / static_cast<Real>(points_.size());
+  PointJacobian J;
+  for (const SurfacePoint& p : points_) {
+    tissue.jacobian(p.at, J);
+    builder.couple(block, tissue, share, J, at);
+  }
+}
+
+}  // namespace sutura

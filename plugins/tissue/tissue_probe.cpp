@@ -1,0 +1,144 @@
+#include "tissue_probe.h"
+
+#include <map>
+
+#include "rotation.h"
+#include "selection.h"
+
+namespace sutura {
+namespace {
+
+Vec3 diagonal(const Mat3& m) {
+  return m.diagonal();
+}
+Vec3 shear(const Mat3& m) {
+  return {m(0, 1), m(1, 2), m(2, 0)};
+}
+
+}  // namespace
+
+void TissueProbe::describe(Describe<TissueProbe>& d) {
+  using T = TissueProbe;
+  d.summary(
+      "Reads a tissue at a point, or on average over a box or a region: displacement, strain and "
+      "stress.");
+  d.theory(
+      "Point, box and region are of the shape at rest and move with the material. Strain is that "
+      "of Biot, *U - I* with *F = R U*, constant in each tetrahedron; stress is *2 mu e + lambda "
+      "tr(e) I*; both are in the axes that the material had at rest. Averages are by volume at "
+      "rest, over the tetrahedra whose middle lies in the box and that belong to the region.");
+  d.link("tissue", &T::tissue_, "The tissue.");
+  d.attribute("point", &T::point_, "m", any(), "The point, at rest.");
+  d.attribute("box", &T::box_, "m", any(), "Instead of a point: two opposite corners of a box.");
+  d.attribute("region", &T::region_, "Instead of a point: name or number of a region.");
+  d.output("position", "m", "Where the point, or the middle of the part, is.",
+           [](const T& p) { return p.position(); });
+  d.output("displacement", "m", "How far it is from its place at rest.", [](const T& p) -> Vec3 {
+    return p.mean(p.tissue_->positions()) - p.mean(p.tissue_->rest_positions());
+  });
+  d.output("velocity", "m/s", "Its velocity.",
+           [](const T& p) { return p.mean(p.tissue_->velocities()); });
+  d.output("strain", "1", "Strain xx, yy, zz.",
+           [](const T& p) { return diagonal(p.mean(&T::strain)); });
+  d.output("shear_strain", "1", "Strain xy, yz, zx (half of the engineering shear).",
+           [](const T& p) { return shear(p.mean(&T::strain)); });
+  d.output("stress", "Pa", "Stress xx, yy, zz.",
+           [](const T& p) { return diagonal(p.mean(&T::stress)); });
+  d.output("shear_stress", "Pa", "Stress xy, yz, zx.",
+           [](const T& p) { return shear(p.mean(&T::stress)); });
+}
+
+void TissueProbe::initialise(Setup& setup) {
+  const bool part = !box_.empty() || !region_.empty();
+  if (says("point") == part) {
+    setup.error(*this, part ? "'point' and a part are both given; expected one of them"
+                            : "one of 'point', 'box' and 'region' is needed");
+    return;
+  }
+  if (part)
+    over_part(setup);
+  else
+    at_point(setup);
+}
+
+bool TissueProbe::at_point(Setup& setup) {
+  std::optional<EmbeddedPoint> at = tissue_->locate(point_, Configuration::rest);
+  if (!at) {
+    // A point of the surface may lie outside by its rounding.
+    const MeshReport& report = tissue_->mesh->report();
+    const Real rounding = 1e-6 * (report.high - report.low).norm();
+    if (const auto near = tissue_->closest_surface(point_, rounding, Configuration::rest))
+      at = near->at;
+  }
+  if (!at) {
+    setup.error(*this, "'point' is not inside the tissue at rest");
+    return false;
+  }
+  const Tet& tet = tissue_->mesh->data().tets[static_cast<std::size_t>(at->element)];
+  for (std::size_t k = 0; k < 4; ++k) nodes_.push_back({tet[k], at->weights[k]});
+  tets_.push_back({at->element, 1});
+  return true;
+}
+
+bool TissueProbe::over_part(Setup& setup) {
+  std::string error;
+  const std::optional<Selection> part = select(*tissue_->mesh, box_, region_, error);
+  if (!part) {
+    setup.error(*this, error);
+    return false;
+  }
+  if (part->tets.empty()) {
+    setup.error(*this, "no tetrahedron of the tissue has its middle in the part");
+    return false;
+  }
+  const MeshData& data = tissue_->mesh->data();
+  std::map<Index, Real> nodes;
+  Real volume = 0;
+  for (const Index e : part->tets) {
+    const Tet& t = data.tets[static_cast<std::size_t>(e)];
+    const Real own =
+        six_volume(data.points[t[0]], data.points[t[1]], data.points[t[2]], data.points[t[3]]) / 6;
+    volume += own;
+    tets_.push_back({e, own});
+    for (const Index i : t) nodes[i] += own / 4;
+  }
+  for (Share& s : tets_) s.weight /= volume;
+  for (const auto& [node, weight] : nodes) nodes_.push_back({node, weight / volume});
+  return true;
+}
+
+Vec3 TissueProbe::mean(const VecX& nodal) const {
+  Vec3 sum = Vec3::Zero();
+  for (const Share& s : nodes_) sum += s.weight * nodal.segment<3>(3 * s.number);
+  return sum;
+}
+
+Mat3 TissueProbe::mean(Mat3 (TissueProbe::*of_tet)(Index) const) const {
+  Mat3 sum = Mat3::Zero();
+  for (const Share& s : tets_) sum += s.weight * (this->*of_tet)(s.number);
+  return sum;
+}
+
+Mat3 TissueProbe::strain(Index tet) const {
+  const Tet& t = tissue_->mesh->data().tets[static_cast<std::size_t>(tet)];
+  const VecX &rest = tissue_->rest_positions(), &x = tissue_->positions();
+  Mat3 D, d;
+  for (int c = 0; c < 3; ++c) {
+    D.col(c) = rest.segment<3>(3 * t[c + 1]) - rest.segment<3>(3 * t[0]);
+    d.col(c) = x.segment<3>(3 * t[c + 1]) - x.segment<3>(3 * t[0]);
+  }
+  const Mat3 F = d * D.inverse();
+  const Mat3 U = nearest_rotation(F).transpose() * F;
+  return 0.5 * (U + U.transpose()) - Mat3::Identity();
+}
+
+Mat3 TissueProbe::stress(Index tet) const {
+  EmbeddedPoint p;
+  p.element = tet;
+  const Elasticity elastic = tissue_->elasticity(p);
+  const Material m{elastic.young, elastic.poisson, 0};
+  const Mat3 e = strain(tet);
+  return 2 * m.lame_mu() * e + m.lame_lambda() * e.trace() * Mat3::Identity();
+}
+
+}  // namespace sutura

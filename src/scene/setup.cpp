@@ -1,0 +1,75 @@
+// What a component may ask while it is initialised: where files are, where it may write.
+#include <utility>
+
+#include "scene/nearest_file.h"
+#include "sutura/component.h"
+
+namespace sutura {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// True if `path`, with "." and ".." taken out, begins with a step up or at the root.
+bool leads_out(const fs::path& path) {
+  const fs::path plain = path.lexically_normal();
+  return plain.is_absolute() || (!plain.empty() && *plain.begin() == "..");
+}
+
+}  // namespace
+
+fs::path Setup::resolve(const std::string& file) const {
+  return scene_directory / file;  // an absolute `file` replaces the directory
+}
+
+void Setup::note_if_outside(const Component& who, const std::string& file) {
+  if (allow_outside) return;
+  std::error_code ignored;
+  const fs::path here = fs::weakly_canonical(fs::absolute(scene_directory), ignored);
+  const fs::path there = fs::weakly_canonical(fs::absolute(resolve(file)), ignored);
+  // A folder beside the one of the scene, as ../meshes, belongs to it.
+  if (!leads_out(there.lexically_relative(here.parent_path()))) return;
+  warning(who,
+          "'" + file +
+              "' lies outside of the folders around the scene, which cannot be given away without "
+              "it; --allow-outside silences this note",
+          Category::file);
+}
+
+std::string Setup::did_you_mean_file(const std::string& file) const {
+  const std::string near = nearest_file(scene_directory, file);
+  return near.empty() ? std::string() : "; did you mean '" + near + "'?";
+}
+
+std::optional<fs::path> Setup::output(const Component& who, const std::string& attribute,
+                                      const std::string& name, const std::string& pattern) {
+  const fs::path plain = fs::path(name).lexically_normal();
+  if (name.empty() || plain == "." || (pattern.empty() && !plain.has_filename())) {
+    error(who, attribute + ": '" + name + "' names no " + (pattern.empty() ? "file" : "folder"));
+    return {};
+  }
+  if (!allow_outside && leads_out(plain)) {
+    error(who, attribute + ": '" + name +
+                   "' lies outside of the output folder; expected a name inside it (or run with "
+                   "--allow-outside)");
+    return {};
+  }
+  const auto [place, is_new] =
+      claims.try_emplace(plain.generic_string(), Claim{who.path(), pattern});
+  if (!is_new) {
+    error(who, attribute + ": '" + name + "' would overwrite what " + place->second.owner +
+                   " writes there; expected another name");
+    return {};
+  }
+  return output_directory / plain;
+}
+
+void Setup::error(const Component& who, std::string message, Category category) {
+  diagnostics.error(who.location(), who.path(), std::move(message), category);
+}
+
+void Setup::warning(const Component& who, std::string message, Category category) {
+  diagnostics.warning(who.location(), who.path(), std::move(message), category);
+}
+
+}  // namespace sutura

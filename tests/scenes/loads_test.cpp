@@ -1,0 +1,172 @@
+// Loads, supports, prescribed motion, settling, rest shapes and probes, against statics by hand.
+#include <cmath>
+#include <numbers>
+
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+// 20 x 10 x 10 mm, 2 g, on its bed.
+const std::string block =
+    "<BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"8 4 4\"/>"
+    "<Tissue name=\"t\" young=\"20 kPa\" damping_mass=\"20 1/s\" settle=\"true\"/>"
+    "<Attach name=\"bed\" box=\"0 0 0 20 10 0 mm\"/>";
+constexpr Real weight = 2e-3 * 9.81;  // N
+
+// Tolerance of a step: a thousandth of the forces at work.
+constexpr Real step_tolerance = 2e-3;
+
+TEST(Loads, TheBedHoldsWhatActsOnTheBlock) {
+  TextRun run(block +
+                  "<TissueLoad name=\"f\" box=\"0 0 10 20 10 10 mm\" force=\"0.01 0 0.02 N\"/>"
+                  "<TissueLoad name=\"t2\" box=\"20 0 0 20 10 10 mm\" traction=\"0 50 0 Pa\"/>",
+              "gravity=\"0 0 -9.81\"");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.05);
+  EXPECT_NEAR(run.number("/f", "area"), 200e-6, 1e-12);
+  EXPECT_NEAR(run.vector("/t2", "force").y(), 50 * 100e-6, 1e-12);
+  const Vec3 expected = -Vec3(0.01, 50 * 100e-6, 0.02 - weight);
+  EXPECT_LT((run.vector("/bed", "reaction") - expected).norm(), step_tolerance * weight);
+}
+
+// Pressure on a closed surface has no sum, whatever its shape; on one face it is p A.
+TEST(Loads, PressureFollowsTheSurface) {
+  TextRun run(block + "<TissueLoad name=\"all\" box=\"0 0 0 20 10 10 mm\" pressure=\"1 kPa\"/>" +
+              "<TissueLoad name=\"top\" box=\"0 0 10 20 10 10 mm\" pressure=\"-100 Pa\"/>");
+  ASSERT_TRUE(run) << run.said();
+  run.simulation().step();
+  EXPECT_LT(run.vector("/all", "force").norm(), 1e-12);
+  // -100 Pa pulls outward on about 200 mm^2, which the squeeze has changed by some percent.
+  EXPECT_NEAR(run.vector("/top", "force").z(), 0.02, 0.1 * 0.02);
+}
+
+TEST(Loads, AMomentHasNoForceAndItsOwnMoment) {
+  TextRun run(block +
+              "<TissueLoad name=\"m\" box=\"0 0 10 20 10 10 mm\" moment=\"0 1e-5 0 N m\"/>");
+  ASSERT_TRUE(run) << run.said();
+  run.simulation().step();
+  EXPECT_LT(run.vector("/m", "force").norm(), 1e-15);
+  Body& t = *run.simulation().bodies()[0].body;
+  const VecX& load = t.load();
+  const BodyGeometry g = t.geometry();
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < g.points.size(); ++i)
+    sum += g.points[i].cross(Vec3(load.segment<3>(3 * static_cast<Index>(i))));
+  // The load is that of the positions at the start of the step, which has moved little since.
+  EXPECT_LT((sum - Vec3(0, 1e-5, 0)).norm(), 1e-3 * 1e-5);
+}
+
+TEST(Loads, FactorsFollowTheirTimes) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle_length=\"0\" clamp=\"start\"/>"
+      "<ThreadLoad name=\"l\" at=\"0.1\" force=\"1e-6 0 0\" times=\"0.1 0.2 s\" factors=\"0 2\"/>");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.1);
+  EXPECT_EQ(run.number("/l", "factor"), 0);
+  run.run(0.15);
+  EXPECT_NEAR(run.number("/l", "factor"), 1, 1e-9);
+  run.run(0.3);
+  EXPECT_EQ(run.number("/l", "factor"), 2);
+}
+
+// The dead end load and the weight of a hanging thread are its tension, which is that of the beam's
+// middle: half a beam of weight.
+TEST(Loads, AHangingThreadBearsItsLoad) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle_length=\"0\" thread=\"4-0 nylon\" thread_length=\"100 mm\" "
+      "tip_direction=\"0 0 1\" plane_normal=\"0 1 0\" clamp=\"start\" settle=\"true\"/>"
+      "<ThreadLoad at=\"100 mm\" force=\"0 0 -1 mN\"/>"
+      "<ThreadProbe name=\"top\" at=\"0\"/><ThreadProbe name=\"end\" at=\"100 mm\"/>"
+      "<EnergyProbe name=\"e\"/>",
+      "gravity=\"0 0 -9.81\"");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.1);
+  const Real per_metre = 27.42021338e-6 * 9.81;  // d01: 27.42 mg/m
+  EXPECT_NEAR(run.number("/top", "tension"), 1e-3 + per_metre * 0.0995, 1e-6);
+  // Stretch: (P L + w L^2 / 2) / EA, EA of d01.
+  const Real EA = 48.10563751, stretch = (1e-3 * 0.1 + per_metre * 0.1 * 0.05) / EA;
+  EXPECT_NEAR(-run.vector("/end", "displacement").z(), stretch, 1e-2 * stretch);
+  EXPECT_NEAR(run.number("/e", "potential"), -per_metre * 0.1 * 0.05, 1e-4 * per_metre * 0.005);
+}
+
+// Drawn from a straight start into its rest shape: with nothing but a clamp, it takes it.
+TEST(Settling, AThreadTakesItsRestShape) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle_length=\"0\" thread_length=\"50 mm\" thread_beams=\"50\" "
+      "thread_rest_curvature=\"60 1/m\" thread_rest_torsion=\"30 1/m\" tip_direction=\"-1 0 0\" "
+      "clamp=\"start\" settle=\"true\"/><ThreadProbe name=\"end\" at=\"50 mm\"/>");
+  ASSERT_TRUE(run) << run.said();
+  // The helix by hand: its chord after s.
+  const Real w = std::hypot(60, 30), r = 60 / (w * w), b = 30 / (w * w), s = 0.05;
+  const Real chord = std::hypot(2 * r * std::sin(w * s / 2), b * w * s);
+  EXPECT_NEAR(run.vector("/end", "position").norm(), chord, 1e-4 * chord);
+  EXPECT_LT(run.vector("/end", "displacement").norm(), 1e-6);
+}
+
+// A settled scene begins at rest and stays there.
+TEST(Settling, WhatIsSettledStays) {
+  TextRun run(block +
+                  "<SutureThread name=\"s\" needle_length=\"0\" tip=\"0 0 30 mm\" "
+                  "tip_direction=\"-1 0 0\" thread_length=\"50 mm\" settle=\"true\"/>"
+                  "<Track times=\"0\"/><Grasper at=\"0\"/>"
+                  "<TissueProbe name=\"top\" point=\"20 10 10 mm\"/>"
+                  "<ThreadProbe name=\"end\" at=\"50 mm\"/>"
+                  "<Distance from=\"/top\" to=\"/end\"/>",
+              "gravity=\"0 0 -9.81\"");
+  ASSERT_TRUE(run) << run.said();
+  EXPECT_LT(run.vector("/end", "displacement").z(), -1e-3);  // it hangs
+  EXPECT_LT(run.vector("/top", "displacement").z(), -1e-6);  // and sags
+  const Vec3 end = run.vector("/end", "position"), top = run.vector("/top", "position");
+  EXPECT_EQ(run.number("/distance", "distance"), (end - top).norm());
+  run.run(0.5);
+  EXPECT_LT((run.vector("/end", "position") - end).norm(), 1e-6);
+  EXPECT_LT((run.vector("/top", "position") - top).norm(), 1e-8);
+}
+
+// A bed that moves as a whole carries the block along, and pushes it by m a.
+TEST(Supports, AMovingAttachmentCarriesAndPushes) {
+  TextRun run(
+      "<BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"8 4 4\"/><Tissue name=\"t\" young=\"1 MPa\"/>"
+      "<Track times=\"0 10 s\" positions=\"0 0 0  10 0 0 mm\"/>"
+      "<Attach name=\"bed\" box=\"0 0 0 20 10 0 mm\" motion=\"/track\"/>"
+      "<TissueProbe name=\"top\" point=\"10 5 10 mm\"/>");
+  ASSERT_TRUE(run) << run.said();
+  run.simulation().step();
+  // From rest to 1 mm/s within the step: momentum is the time integral of the only force.
+  EXPECT_NEAR(run.vector("/bed", "reaction").x() * 0.01, run.vector("/t", "momentum").x(),
+              1e-2 * 2e-6);
+  run.run(0.2);
+  EXPECT_NEAR(run.vector("/top", "displacement").x(), 0.2e-3, 1e-6);
+  EXPECT_LT(run.vector("/bed", "reaction").norm(), 1e-4);
+}
+
+TEST(Supports, ASlidingSupportLeavesTheOtherDirectionsFree) {
+  TextRun run(
+      "<BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"8 4 4\"/>"
+      "<Tissue name=\"t\" young=\"20 kPa\" velocity=\"0.1 0 0 m/s\"/>"
+      "<Attach name=\"table\" box=\"0 0 0 20 10 0 mm\" directions=\"z\"/>"
+      "<TissueProbe name=\"low\" point=\"10 5 0 mm\"/>",
+      "gravity=\"0 0 -9.81\"");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.5);
+  const Vec3 u = run.vector("/low", "displacement");
+  EXPECT_NEAR(u.x(), 0.05, 1e-4);  // glides on
+  EXPECT_LT(std::abs(u.z()), 1e-8);
+  EXPECT_NEAR(run.vector("/table", "reaction").z(), weight, 0.02 * weight);
+  EXPECT_EQ(run.vector("/table", "reaction").x(), 0);
+}
+
+TEST(Starts, AThreadIsThrownAndSpun) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle_length=\"0\" thread=\"4-0 nylon\" thread_length=\"100 mm\" "
+      "tip_direction=\"-1 0 0\" velocity=\"0 0 2 m/s\" spin=\"0 0 5 rad/s\"/>");
+  ASSERT_TRUE(run) << run.said();
+  const Real mass = 27.42021338e-7;  // d01, kg
+  EXPECT_NEAR(run.vector("/s", "momentum").z(), 2 * mass, 1e-6 * mass);
+  // Half m v^2 and half (m L^2 / 12) w^2.
+  EXPECT_NEAR(run.number("/s", "kinetic_energy"), mass * (2 + 0.01 / 24 * 25), 1e-5 * 2 * mass);
+}
+
+}  // namespace
+}  // namespace sutura::testing

@@ -1,0 +1,197 @@
+// What a scene can say of needle, thread and pose, and what it is told when it says it wrongly.
+#include <cmath>
+#include <numbers>
+
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+constexpr Real radius = 26e-3 / std::numbers::pi;
+
+Vec3 tip(const TextRun& run) {
+  return run.vector("/s", "tip_position");
+}
+Vec3 tip_direction(TextRun& run) {
+  return -run.component<CurveBody>("/s").tangent(0, Configuration::current);
+}
+
+TEST(Words, ProductsFillInWhatTheSceneLeavesOut) {
+  TextRun run("<SutureThread name=\"s\" needle=\"17 mm 3/8 circle\" thread=\"6-0 nylon\"/>");
+  ASSERT_TRUE(run) << run.said();
+  const auto& s = run.component<CurveBody>("/s");
+  EXPECT_EQ(s.needle_length(), 17e-3);
+  EXPECT_EQ(s.radius(1e-3), 0.25e-3);
+  EXPECT_EQ(s.radius(30e-3), 0.0425e-3);
+}
+
+// Also where it says the very number that is the default.
+TEST(Words, WhatTheSceneSaysWins) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle=\"17 mm 3/8 circle\" needle_length=\"26 mm\" "
+      "thread=\"6-0 nylon\" thread_diameter=\"0.175 mm\"/>");
+  ASSERT_TRUE(run) << run.said();
+  const auto& s = run.component<CurveBody>("/s");
+  EXPECT_EQ(s.needle_length(), 26e-3);
+  EXPECT_EQ(s.radius(1e-3), 0.25e-3);
+  EXPECT_EQ(s.radius(30e-3), 0.0875e-3);
+  // And it is written back, or the scene read again would be another one.
+  const std::string written = write_scene(run.simulation().scene());
+  EXPECT_NE(written.find("needle_length=\"0.026 m\""), std::string::npos) << written;
+}
+
+TEST(Words, BadProductsAreRefusedWithTheLine) {
+  const TextRun run("<SutureThread name=\"s\" needle=\"17 mm 3/8\" thread=\"6-0 nylom\"/>");
+  EXPECT_FALSE(run);
+  EXPECT_NE(run.said().find("scene.xml:7"), std::string::npos) << run.said();
+  EXPECT_NE(run.said().find("did you mean 'nylon'?"), std::string::npos) << run.said();
+  EXPECT_NE(run.said().find("'26 mm 1/2 circle'"), std::string::npos) << run.said();
+}
+
+TEST(Words, CentreAndAngle) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle=\"26 mm 1/2 circle\" needle_centre=\"1 2 5 mm\" "
+      "tip_angle=\"-90 deg\" plane_normal=\"0 -1 0\"/>");
+  ASSERT_TRUE(run) << run.said();
+  // Level with the centre, on the way down; with that normal it comes from minus x.
+  EXPECT_LT((tip(run) - Vec3(1e-3 - radius, 2e-3, 5e-3)).norm(), 1e-12);
+  EXPECT_LT((tip_direction(run) + Vec3::UnitZ()).norm(), 1e-9);
+}
+
+TEST(Words, EntryDirectionAndApproach) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle=\"26 mm 1/2 circle\" entry=\"0 0 0\" tip_direction=\"0 0 "
+      "-1\" approach=\"5 mm\" plane_normal=\"0 -1 0\"/>\n"
+      "<Track about=\"s\" times=\"0 1 s\" turns=\"0 34.6154 deg\"/>\n"  // 5 mm / 26 mm of 180 deg
+      "<Grasper at=\"20 mm\"/>");
+  ASSERT_TRUE(run) << run.said();
+  EXPECT_GT(tip(run).z(), 4e-3);
+  run.run(1);
+  // Six digits of the angle, and the grip's own softness.
+  EXPECT_LT(tip(run).norm(), 1e-6);
+  EXPECT_LT((tip_direction(run) + Vec3::UnitZ()).norm(), 1e-4);
+}
+
+TEST(Words, AStraightNeedleMayHaveAnEntry) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle=\"26 mm straight\" entry=\"0 0 0\" approach=\"5 mm\" "
+      "tip_direction=\"0 0 -2\" plane_normal=\"0 1 0\"/>");
+  ASSERT_TRUE(run) << run.said();
+  EXPECT_LT((tip(run) - Vec3(0, 0, 5e-3)).norm(), 1e-15);
+}
+
+struct Wrong {
+  const char* scene;
+  const char* words;
+};
+
+class Refused : public ::testing::TestWithParam<Wrong> {};
+
+TEST_P(Refused, WithASentence) {
+  const TextRun run(GetParam().scene);
+  EXPECT_FALSE(run);
+  EXPECT_NE(run.said().find(GetParam().words), std::string::npos) << run.said();
+}
+
+const char* const block =
+    "<BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"4 2 2\"/><Tissue name=\"t\"/>"
+    "<Attach box=\"0 0 0 20 10 0 mm\"/>";
+
+INSTANTIATE_TEST_SUITE_P(
+    Poses, Refused,
+    ::testing::Values(
+        Wrong{"<SutureThread tip=\"0 0 0\" needle_centre=\"0 0 0\" tip_angle=\"0\"/>",
+              "the needle is placed twice"},
+        Wrong{"<SutureThread tip=\"0 0 0\" entry=\"0 0 0\"/>", "the needle is placed twice"},
+        Wrong{"<SutureThread needle_centre=\"0 0 0\" tip_angle=\"0\" tip_direction=\"1 0 0\"/>",
+              "the needle is placed twice"},
+        Wrong{"<SutureThread needle_centre=\"0 0 0\"/>", "go together"},
+        Wrong{"<SutureThread approach=\"1 mm\"/>", "'approach' needs 'entry'"},
+        Wrong{"<SutureThread needle_centre=\"0 0 0\" tip_angle=\"0\"/>",
+              "plane of the needle is "
+              "level"},
+        Wrong{"<SutureThread needle=\"20 mm straight\" needle_centre=\"0 0 0\" tip_angle=\"0\" "
+              "plane_normal=\"0 1 0\"/>",
+              "straight needle has no centre"},
+        Wrong{"<SutureThread thread_rest_file=\"nowhere.csv\"/>", "cannot read"},
+        Wrong{"<SutureThread settle=\"true\"/>", "nothing holds this thread"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Tools, Refused,
+    ::testing::Values(
+        Wrong{"<Track times=\"0 1\" turns=\"0 1\"/>", "'turns' needs 'about'"},
+        Wrong{"<SutureThread name=\"s\"/><Track about=\"s\" times=\"0 1\" turns=\"0 1 2\"/>",
+              "'turns' has 3 numbers"},
+        Wrong{"<SutureThread name=\"s\"/><Track about=\"s\" times=\"0\" turns=\"0\" "
+              "rotations=\"0 0 0\"/>",
+              "keys turn twice"},
+        Wrong{"<SutureThread name=\"s\"/><Track about=\"s\" centre=\"0 0 0\" times=\"0\"/>",
+              "'centre' and 'about'"},
+        Wrong{"<SutureThread name=\"s\" needle_length=\"0\"/><Track about=\"s\" times=\"0\"/>",
+              "has no needle"},
+        Wrong{"<SutureThread name=\"s\" needle_angle=\"0\"/><Track about=\"s\" times=\"0\"/>",
+              "the needle of 'about' is straight"},
+        Wrong{"<SutureThread/><ThreadLoad at=\"9 m\" force=\"1 0 0\"/>", "m long"},
+        Wrong{"<SutureThread/><ThreadLoad at=\"0\"/>", "neither 'force' nor 'moment'"},
+        Wrong{"<SutureThread/><ThreadLoad at=\"0\" force=\"1 0 0\" times=\"0 1\"/>",
+              "a factor for each time"},
+        Wrong{"<SutureThread/><ThreadLoad at=\"0\" force=\"1 0 0\" times=\"1 1\" factors=\"1 2\"/>",
+              "times must increase"},
+        Wrong{"<SutureThread/><ThreadProbe at=\"9 m\"/>", "m long"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Blocks, Refused,
+    ::testing::Values(
+        Wrong{"<BlockMesh cells=\"1 1 1\"/>", "one of 'box' and 'corners'"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1\" cells=\"1 1 1\"/>", "expected 6"},
+        Wrong{"<BlockMesh corners=\"0 0 0\" cells=\"1 1 1\"/>", "expected 24"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1 1\"/>", "expected 3"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1.5 1 1\"/>", "whole numbers"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1000 1000 1000\"/>", "more than 3 000 000"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 0\" cells=\"1 1 1\"/>", "the block: "},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1 1 1\" holes=\"1 1\"/>", "6 for each hole"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" holes=\"-1 -1 -1 2 2 "
+              "2\"/>",
+              "leave nothing"}));
+
+/// A block with a bed, and one more component.
+class RefusedOnABlock : public ::testing::TestWithParam<Wrong> {};
+
+TEST_P(RefusedOnABlock, WithASentence) {
+  const TextRun run(std::string(block) + GetParam().scene);
+  EXPECT_FALSE(run);
+  EXPECT_NE(run.said().find(GetParam().words), std::string::npos) << run.said();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Parts, RefusedOnABlock,
+    ::testing::Values(
+        Wrong{"<TissueLoad force=\"1 0 0\"/>", "one of 'box' and 'region'"},
+        Wrong{"<TissueLoad box=\"0 0 0 1 1 1\"/>", "none of 'force'"},
+        Wrong{"<TissueLoad box=\"0 0 0 1 1\" force=\"1 0 0\"/>", "expected 6"},
+        Wrong{"<TissueLoad region=\"bone\" force=\"1 0 0\"/>", "no region 'bone'"},
+        Wrong{"<TissueLoad box=\"2 2 2 3 3 3\" force=\"1 0 0\"/>", "no node of the tissue"},
+        Wrong{"<TissueLoad box=\"5 5 5 5 5 5 mm\" pressure=\"1\"/>", "no face of the tissue's"},
+        Wrong{"<TissueLoad box=\"5 5 5 5 5 5 mm\" moment=\"1 0 0\"/>", "three nodes"},
+        Wrong{"<TissueLoad box=\"0 0 0 1 1 1\" force=\"1 0 0\" factors=\"1\"/>",
+              "a factor for each time"},
+        Wrong{"<TissueProbe/>", "one of 'point', 'box' and 'region'"},
+        Wrong{"<TissueProbe point=\"0 0 0\" box=\"0 0 0 1 1 1\"/>", "both given"},
+        Wrong{"<TissueProbe point=\"0 0 1\"/>", "not inside the tissue"},
+        Wrong{"<TissueProbe box=\"2 2 2 3 3 3\"/>", "no tetrahedron"},
+        Wrong{"<TissueProbe region=\"bone\"/>", "no region 'bone'"},
+        Wrong{"<Attach name=\"b\" box=\"0 0 0 1 1 1\" directions=\"xw\"/>", "letters x, y and z"},
+        Wrong{"<Attach name=\"b\" box=\"0 0 0 1 1 1\" directions=\"zz\"/>", "each once"},
+        Wrong{"<Attach name=\"b\" box=\"0 0 0 1 1 1\" directions=\"\"/>", "is empty"},
+        Wrong{"<Attach name=\"b\" region=\"bone\"/>", "no region 'bone'"}));
+
+TEST(Words, ATissueThatNothingHoldsCannotSettle) {
+  const TextRun run(
+      "<BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"4 2 2\"/><Tissue settle=\"true\"/>",
+      "gravity=\"0 0 -9.81\"");
+  EXPECT_FALSE(run);
+  EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
+}
+
+}  // namespace
+}  // namespace sutura::testing
