@@ -4,11 +4,14 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <functional>
 
 #include "solve/compliance_stage.h"
 #include "solve/gauss_seidel.h"
+#include "solve/law_check.h"
 #include "sutura/constraints.h"
+#include "sutura/scene.h"
 
 namespace sutura::test {
 
@@ -40,19 +43,21 @@ class PointMasses : public Body {
 
   Index dofs() const override { return x.size(); }
   int width() const override { return 3; }
-  void free_motion(const StepContext& c) override {
-    const Real h = c.dt;
-    VecX b = h * (force - K_ * (x - rest_) - h * (K_ * v));
-    for (Index i = 0; i < b.size(); ++i) {
-      b[i] += h * mass_[i] * c.gravity[i % 3];
-      if (fixed_[static_cast<std::size_t>(i)]) b[i] = 0;
-    }
-    if (h != factored_for_) factorise(h);
-    dv_ = factor_.solve(b);
-    free_ = x + h * (v + dv_);
+  void begin_step(const StepContext& c) override {
+    if (!in_step_) start_x_ = x, start_v_ = v;
+    in_step_ = true;
+    if (c.dt != factored_for_) factorise(c.dt);
+    guess(c, start_v_);
   }
+  void linearise(const StepContext& c, const VecX& f) override {
+    change_ = factor_.solve(missing_ + c.dt * free(f));
+  }
+  Eigen::Ref<const VecX> change() const override { return change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
-    const VecX& from = c == Configuration::free ? free_ : c == Configuration::rest ? rest_ : x;
+    const bool began = start_x_.size() > 0;
+    const VecX& from = c == Configuration::rest             ? rest_
+                       : c == Configuration::start && began ? start_x_
+                                                            : x;
     return from.segment<3>(3 * p.element);
   }
   void jacobian(const EmbeddedPoint& p, PointJacobian& J) const override {
@@ -66,12 +71,17 @@ class PointMasses : public Body {
       if (fixed_[static_cast<std::size_t>(i)]) columns.row(i).setZero();
     columns = factor_.solve(columns).eval();
   }
-  void correct(const StepContext& c, const VecX& f) override {
-    MatX extra = f;
-    solve(extra);
-    v += dv_ + c.dt * extra;
-    x += c.dt * v;
+  void correct(const StepContext& c, const VecX& force_change) override {
+    guess(c, v + change_ + c.dt * factor_.solve(free(force_change)));
   }
+  Imbalance imbalance(const StepContext& c, const VecX& f) override {
+    const VecX r = missing_ / c.dt + free(f);
+    const Real worst = r.lpNorm<Eigen::Infinity>();
+    const Real at_work = std::max({f.lpNorm<Eigen::Infinity>(), force.lpNorm<Eigen::Infinity>(),
+                                   spring_.lpNorm<Eigen::Infinity>(), inertia_ / c.dt});
+    return {worst, at_work > 0 ? worst / at_work : 0};
+  }
+  void end_step(const StepContext&, const VecX&) override { in_step_ = false; }
   Vec3 momentum() const override {
     Vec3 p = Vec3::Zero();
     for (Index i = 0; i < x.size(); ++i) p[i % 3] += mass_[i] * v[i];
@@ -87,6 +97,23 @@ class PointMasses : public Body {
   VecX x, v, force;  ///< m, m/s, N
 
  private:
+  /// Zero where a coordinate is prescribed.
+  VecX free(VecX f) const {
+    for (Index i = 0; i < f.size(); ++i)
+      if (fixed_[static_cast<std::size_t>(i)]) f[i] = 0;
+    return f;
+  }
+  /// Moves to a guess of the velocity at the end; finds what its balance lacks (N s).
+  void guess(const StepContext& c, const VecX& velocity) {
+    v = velocity;
+    x = start_x_ + c.dt * v;
+    spring_ = K_ * (x - rest_);
+    const VecX due = mass_.cwiseProduct(start_v_ - v);
+    inertia_ = due.lpNorm<Eigen::Infinity>();
+    missing_ = due + c.dt * (force - spring_);
+    for (Index i = 0; i < x.size(); ++i) missing_[i] += c.dt * mass_[i] * c.gravity[i % 3];
+    missing_ = free(missing_);
+  }
   void factorise(Real h) {  // A does not change from step to step
     MatX A = h * h * K_;
     A.diagonal() += mass_;
@@ -100,8 +127,10 @@ class PointMasses : public Body {
     factored_for_ = h;
   }
 
-  VecX rest_, mass_, free_, dv_;
+  VecX rest_, mass_, start_x_, start_v_, missing_, spring_, change_;
+  Real inertia_ = 0;  ///< N s
   Real factored_for_ = 0;
+  bool in_step_ = false;
   MatX K_;
   std::vector<bool> fixed_;
   Eigen::LDLT<MatX> factor_;
@@ -111,33 +140,38 @@ inline EmbeddedPoint node(Index i) {
   return {i, {}};
 }
 
-/// Bodies and one function that builds the blocks of a step.
+/// Bodies and one function that builds the blocks at a guess; it is asked once more after each
+/// pass.
 class SmallWorld {
  public:
   using Build = std::function<void(ConstraintBuilder&)>;
   SmallWorld(std::vector<Body*> all, Real dt, Vec3 gravity = Vec3::Zero())
       : bodies(std::move(all)),
         context{.dt = dt, .time = 0, .step = 0, .gravity = gravity},
-        builder(problem, {bodies.begin(), bodies.end()}) {
-    // c01 to c07 are about the laws: solve them well below the tolerance of any comparison.
-    solver.options().tolerance = 1e-9;
-  }
+        builder(problem, {bodies.begin(), bodies.end()}) {}
+  /// The last solve, with the events of the whole step. Bodies that are linear under rows that do
+  /// not turn need one pass, and one more after an event.
   SolveReport step(const Build& build) {
-    for (Body* b : bodies) b->free_motion(context);
-    builder.begin();
-    build(builder);
-    builder.finish();
-    std::vector<ComplianceReport> reports(bodies.size());
-    const std::vector<const Body*> all(bodies.begin(), bodies.end());
-    ComplianceStage().run(all, problem, context.dt, ComplianceForm::automatic, {}, reports);
-    const SolveReport report = solver.solve(problem);
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      VecX f = VecX::Zero(bodies[i]->dofs());
-      problem.bodies[i].add_transposed(problem.lambda, f);
-      bodies[i]->correct(context, f);
+    context.pass = 0;
+    solved = false;
+    for (Body* b : bodies) b->begin_step(context);
+    rebuild(build);
+    SolveReport report;
+    Index events = 0;
+    while (!solved && context.pass < limits.passes + events) {
+      report = pass();
+      ++context.pass;
+      rebuild(build);
+      if (!measure()) continue;
+      const Index fired = fire_events(problem);
+      events += fired;
+      solved = fired == 0;
     }
+    builder.accept();
+    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i]->end_step(context, force_on(i));
     ++context.step;
     context.time = static_cast<Real>(context.step) * context.dt;
+    report.events = events;
     return report;
   }
   /// Adds sign * directions (rows x 3) on a node to a block.
@@ -148,10 +182,50 @@ class SmallWorld {
   }
 
   std::vector<Body*> bodies;
-  StepContext context;
+  StepContext context;  ///< after a step, `pass` is how many it took
+  StepLimits limits{.substeps = 1};
   ConstraintProblem problem;
   ConstraintBuilder builder;
   BlockGaussSeidel solver;
+  LawCheck check;
+  bool solved = false;  ///< the last step met the limits
+
+ private:
+  void rebuild(const Build& build) {
+    using Warm = ConstraintBuilder::Warm;
+    builder.begin(context.pass == 0 ? Warm::step_before : Warm::pass_before);
+    build(builder);
+    builder.finish();
+  }
+  SolveReport pass() {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      bodies[i]->linearise(context, force_on(i));
+      problem.bodies[i].add_product(context.dt * bodies[i]->change(), problem.d_free);
+    }
+    std::vector<ComplianceReport> reports(bodies.size());
+    const std::vector<const Body*> all(bodies.begin(), bodies.end());
+    ComplianceStage().run(all, problem, context.dt, ComplianceForm::automatic, {}, reports);
+    check.begin(problem);
+    problem.hold_events = true;
+    VecX change = -problem.lambda;
+    const SolveReport report = solver.solve(problem);
+    change += problem.lambda;
+    change.swap(problem.lambda);
+    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i]->correct(context, force_on(i));
+    change.swap(problem.lambda);
+    return report;
+  }
+  bool measure() {
+    bool good = check.measure(problem).violation <= limits.gap_tolerance;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      good = good && bodies[i]->imbalance(context, force_on(i)).relative <= limits.tolerance;
+    return good;
+  }
+  VecX force_on(std::size_t body) const {
+    VecX f = VecX::Zero(bodies[body]->dofs());
+    problem.bodies[body].add_transposed(problem.lambda, f);
+    return f;
+  }
 };
 
 }  // namespace sutura::test

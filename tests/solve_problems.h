@@ -30,7 +30,7 @@ void append(ConstraintProblem& p, const typename L::Params& params, Mode mode = 
 
 inline void finish(ConstraintProblem& p, const MatX& W, const VecX& d_free) {
   p.W = W;
-  p.d_free = d_free;
+  p.gap = p.d_free = d_free;
   p.lambda.setZero(d_free.size());
   p.delta.setZero(d_free.size());
 }

@@ -26,7 +26,9 @@ class AssembledBody : public Body {
  public:
   Index dofs() const override { return 3; }
   int width() const override { return 3; }
-  void free_motion(const StepContext&) override {}
+  void begin_step(const StepContext&) override {}
+  void linearise(const StepContext&, const VecX&) override {}
+  Eigen::Ref<const VecX> change() const override { return still_; }
   Vec3 position(const EmbeddedPoint&, Configuration) const override { return Vec3::Zero(); }
   void jacobian(const EmbeddedPoint&, PointJacobian& J) const override {
     J.nodes = 1;
@@ -41,11 +43,16 @@ class AssembledBody : public Body {
         if (i % 3 == j % 3) W(i, j) += 0.01 * std::exp(-static_cast<Real>(std::abs(i - j)) / 15);
   }
   void correct(const StepContext&, const VecX&) override {}
+  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
+  void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }
   Real mass() const override { return 0; }
   Real energy() const override { return 0; }
   bool finite() const override { return true; }
   BodyGeometry geometry() const override { return {}; }
+
+ private:
+  VecX still_ = VecX::Zero(3);
 };
 
 class ThreadPath {
@@ -58,7 +65,9 @@ class ThreadPath {
     Setup setup{diagnostics, {}, {}, o.dt, Vec3::Zero(), 1};
     thread.initialise(setup);
     thread.ready(setup);
-    thread.free_motion({.dt = o.dt, .time = 0, .step = 0, .gravity = Vec3::Zero()});
+    const StepContext context{.dt = o.dt, .time = 0, .step = 0, .gravity = Vec3::Zero()};
+    thread.begin_step(context);
+    thread.linearise(context, VecX::Zero(thread.dofs()));
     bodies = {&thread, &tissue_};
     // How far the pull would move every node in the step: at an angle, so that all rows have
     // something to do.

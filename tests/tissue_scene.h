@@ -25,7 +25,8 @@ inline std::string all_messages(const Diagnostics& diagnostics) {
 class TissueScene {
  public:
   explicit TissueScene(const std::string& components, const std::string& gravity = "0 0 -9.81",
-                       const std::string& dt = "10 ms", void (*enrol_more)(Registry&) = nullptr) {
+                       const std::string& dt = "10 ms", void (*enrol_more)(Registry&) = nullptr,
+                       const StepLimits& limits = {}) {
     registry_.begin_plugin("tissue");
     registry_.component<TetMesh>("TetMesh");
     registry_.component<Tissue>("Tissue");
@@ -38,6 +39,7 @@ class TissueScene {
     auto scene = load_scene_text("<sutura version='1' dt='" + dt + "' gravity='" + gravity +
                                      "'>\n<plugin name='tissue'/>\n" + components + "\n</sutura>",
                                  "scene.xml", SUTURA_SOURCE_DIR, registry_, diagnostics);
+    if (scene) scene->limits = limits;
     if (scene) simulation_ = Simulation::compile(std::move(scene), ".", diagnostics);
   }
   Simulation& simulation() { return *simulation_; }

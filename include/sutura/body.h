@@ -152,6 +152,10 @@ class Body {
   /// What went wrong in the last step, a sentence; empty if nothing did.
   virtual std::string trouble() const { return {}; }
 
+  /// Why the result of the last step cannot be trusted, although the step is solved; empty if it
+  /// can.
+  virtual std::string fault() const { return {}; }
+
   virtual BodyGeometry geometry() const = 0;
 
  private:

@@ -52,7 +52,8 @@ struct StepReport {
   std::vector<BodyReport> bodies;            ///< in the order of Simulation::bodies
   std::vector<ComplianceReport> compliance;  ///< likewise
   bool finite = true;
-  std::vector<std::string> messages;  ///< what went wrong in the bodies: "path: sentence"
+  std::vector<std::string> messages;  ///< what is worth knowing of the bodies: "path: sentence"
+  std::vector<std::string> faults;    ///< why this step cannot be trusted: "path: sentence"
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
   Imbalance worst_imbalance() const;  ///< relative, over the bodies
@@ -145,11 +146,13 @@ class Simulation {
   void build(const StepContext& context, Timer& timer);
   bool measure(const StepContext& context);
   void constraint_force(std::size_t body);
+  void note_fault(const std::string& path, const std::string& fault);
   void accept(const StepContext& context, bool solved, Timer& timer);
   std::unique_ptr<Scene> scene_;
   std::vector<NamedBody> bodies_;
   std::vector<Driver*> drivers_;
   std::vector<ConstraintSource*> sources_;
+  std::vector<std::string> source_paths_;
   std::vector<Recorder*> recorders_;
   std::unique_ptr<Component> default_solver_;
   ConstraintSolver* solver_ = nullptr;

@@ -21,6 +21,9 @@ class Puncture : public Component, public ConstraintSource {
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  std::string fault() const override {
+    return front_ == Front::overrun ? "the tip got in without a puncture (an overrun)" : "";
+  }
 
  private:
   /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface

@@ -134,6 +134,12 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   }
 }
 
+/// A thread that is further from its channel than a needle is thick is not in it any more.
+std::string SuturePath::fault() const {
+  const Real far = 2 * std::max(thread_->radius(0), thread_->radius(thread_->length()));
+  return lateral_gap_ > far ? "the thread has left its channel" : "";
+}
+
 void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   lateral_force_ = 0;
   for (const LateralBlock& b : blocks_) {

@@ -37,6 +37,7 @@ class SuturePath : public Component, public ConstraintSource {
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  std::string fault() const override;
 
   const CurveBody& thread() const { return *thread_; }
   const SolidBody& tissue() const { return *tissue_; }

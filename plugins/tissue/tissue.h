@@ -92,6 +92,7 @@ class Tissue : public Component, public SolidBody {
   Real energy() const override;
   bool finite() const override;
   std::string trouble() const override;
+  std::string fault() const override;
   BodyGeometry geometry() const override;
 
   // SolidBody

@@ -18,12 +18,15 @@ std::string Tissue::trouble() const {
   };
   add(solver_trouble_);
   add(solver_->report().message);
-  if (!finite()) {
-    add("the state is no longer finite");
-  } else if (const Index n = inverted(); n > 0) {
-    add(std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") + " inverted");
-  }
+  if (!finite()) add("the state is no longer finite");
   return text;
+}
+
+std::string Tissue::fault() const {
+  const Index n = inverted();
+  return n == 0 ? ""
+                : std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") +
+                      " turned inside out";
 }
 
 void Tissue::move_queries(Configuration c, const VecX& x) {

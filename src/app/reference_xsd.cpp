@@ -141,6 +141,10 @@ std::string xml_schema(const Registry& registry) {
       <xs:attribute name="dt" type="real"/>
       <xs:attribute name="gravity" type="reals"/>
       <xs:attribute name="duration" type="real"/>
+      <xs:attribute name="tolerance" type="real"/>
+      <xs:attribute name="gap_tolerance" type="real"/>
+      <xs:attribute name="passes" type="real"/>
+      <xs:attribute name="substeps" type="real"/>
     </xs:complexType>
   </xs:element>
   <xs:element name="node">

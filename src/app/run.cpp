@@ -138,8 +138,9 @@ int run(const RunArguments& arguments) {
   }
   if (!result.message.empty()) complain(result.message);
   if (result.end == RunEnd::done && summary.missed() > 0 && !arguments.lenient) {
-    complain("tolerance missed in " + std::to_string(summary.missed()) +
-             " steps: see the summary (--lenient accepts that)");
+    complain(std::to_string(summary.missed()) +
+             " steps are less accurate than asked, or faulty: see the summary (--lenient accepts "
+             "that)");
     return inaccurate;
   }
   return exit_code(result, diagnostics);

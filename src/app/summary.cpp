@@ -1,6 +1,7 @@
 #include "app/summary.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdarg>
 #include <cstdio>
 
@@ -37,12 +38,9 @@ void Summary::add(const StepReport& report) {
     }
   }
   events_ += report.solve.events;
-  if (!report.messages.empty()) {
-    if (troubled_++ == 0) {
-      first_trouble_ = report.messages.front();
-      first_troubled_step_ = report.step;
-    }
-  }
+  count(faults_, report.faults, report.step);
+  count(notes_, report.messages, report.step);
+  if (report.solved && !report.faults.empty()) ++faulty_;
   forms_.resize(report.compliance.size());
   for (std::size_t i = 0; i < forms_.size(); ++i) {
     const ComplianceReport& r = report.compliance[i];
@@ -58,6 +56,19 @@ void Summary::add(const StepReport& report) {
   sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
   residual_.add(report.solve.residual, report.step);
   violation_.add(report.violation, report.step);
+}
+
+void Summary::count(std::map<std::string, Kind>& kinds, const std::vector<std::string>& sentences,
+                    Index step) {
+  for (const std::string& sentence : sentences) {
+    std::string text = sentence;
+    std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; });
+    Kind& kind = kinds[text];
+    if (kind.steps++ == 0) {
+      kind.first = sentence;
+      kind.first_step = step;
+    }
+  }
 }
 
 std::string Summary::text(double wall_seconds) const {
@@ -110,12 +121,16 @@ std::string Summary::text(double wall_seconds) const {
     out += worst_body_;
     append(out, ", violation up to %.2g m\n", worst_violation_);
   }
-  if (troubled_ > 0) {
-    append(out,
-           "  trouble in %ld of %ld steps; the first, in step %ld: ", static_cast<long>(troubled_),
-           static_cast<long>(steps_), static_cast<long>(first_troubled_step_));
-    out += first_trouble_ + '\n';  // of any length
-  }
+  const auto list = [&](const char* title, const std::map<std::string, Kind>& kinds) {
+    for (const auto& [text, kind] : kinds) {
+      append(out, "  %s in %ld of %ld steps, first in step %ld: ", title,
+             static_cast<long>(kind.steps), static_cast<long>(steps_),
+             static_cast<long>(kind.first_step));
+      out += kind.first + '\n';  // of any length
+    }
+  };
+  list("FAULT", faults_);
+  list("note", notes_);
   return out;
 }
 

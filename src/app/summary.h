@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@ class Summary {
   std::string text(double wall_seconds) const;
   Index steps() const { return steps_; }
   /// Steps whose result is not as accurate as the scene asks.
-  Index missed() const { return unsolved_; }
+  Index missed() const { return unsolved_ + faulty_; }
 
  private:
   /// The last value, and the largest with its step.
@@ -42,9 +43,15 @@ class Summary {
   Real worst_violation_ = 0;
   Index passes_ = 0, most_passes_ = 0, divided_ = 0, most_parts_ = 1;
   Index events_ = 0;
-  Index troubled_ = 0;  ///< steps with messages
-  Index first_troubled_step_ = 0;
-  std::string first_trouble_;
+  /// Sentences that differ by their numbers only are of one kind.
+  struct Kind {
+    std::string first;  ///< as it was said first
+    Index steps = 0, first_step = 0;
+  };
+  static void count(std::map<std::string, Kind>& kinds, const std::vector<std::string>& sentences,
+                    Index step);
+  std::map<std::string, Kind> faults_, notes_;
+  Index faulty_ = 0;  ///< solved steps with faults
   std::array<double, stage_names.size()> seconds_{};
   /// How the compliance of a body with an operator form was kept.
   struct Form {

@@ -132,7 +132,10 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   // finds the path already moved on.
   for (Component* c : order.components()) {
     if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
-    if (auto* source = dynamic_cast<ConstraintSource*>(c)) s->sources_.push_back(source);
+    if (auto* source = dynamic_cast<ConstraintSource*>(c)) {
+      s->sources_.push_back(source);
+      s->source_paths_.push_back(c->path());
+    }
   }
   if (!s->settle(diagnostics)) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);

@@ -45,6 +45,7 @@ void Simulation::begin_report() {
   report_.violation = 0;
   report_.solve = {};
   report_.messages.clear();
+  report_.faults.clear();
   for (BodyReport& b : report_.bodies) b.imbalance = {};
 }
 
@@ -164,10 +165,18 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
     report_.finite = report_.finite && body.finite();
     const std::string trouble = body.trouble();
     if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
+    note_fault(bodies_[i].path, body.fault());
   }
   if (!report_.finite) return;  // a state that is not finite is not searched
   const SolvedBlocks blocks(problem_);
-  for (ConstraintSource* source : sources_) source->commit(context, blocks);
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    sources_[i]->commit(context, blocks);
+    note_fault(source_paths_[i], sources_[i]->fault());
+  }
+}
+
+void Simulation::note_fault(const std::string& path, const std::string& fault) {
+  if (!fault.empty()) report_.faults.push_back(path + ": " + fault);
 }
 
 Imbalance StepReport::worst_imbalance() const {

@@ -16,10 +16,14 @@ std::string shown(std::string_view name) {
   return name.size() <= longest ? std::string(name) : std::string(name.substr(0, longest)) + "...";
 }
 
-const std::vector<std::string> settings{"version", "dt", "gravity", "duration"};
+const std::vector<std::string> settings{
+    "version", "dt", "gravity", "duration", "tolerance", "gap_tolerance", "passes", "substeps"};
 const std::vector<std::string> only_name{"name"};
 constexpr Range dt_range{.low = 1e-9, .high = 10};      // s
 constexpr Range duration_range{.low = 0, .high = 1e6};  // s: eleven days
+constexpr Range tolerance_range{.low = 1e-12, .high = 1};
+constexpr Range gap_range{.low = 1e-12, .high = 1};  // m
+constexpr Range count_range{.low = 1, .high = 1024};
 
 }  // namespace
 
@@ -126,29 +130,46 @@ void SceneReader::read(const XmlElement& root) {
 }
 
 void SceneReader::read_settings(const XmlElement& root) {
-  attribute_names_["/"] = {"dt", "gravity", "duration"};
+  attribute_names_["/"].assign(settings.begin() + 1, settings.end());
   bool has_version = false;
   for (const Value& value : values_of(root, "/")) {
     std::string why;
     const auto complain = [&](const std::string& message) {
       error(value.location, "", value.name + ": " + message);
     };
-    const auto read_seconds = [&](Real& out, const Range& range) {
-      const std::optional<Real> seconds = parse_quantity(value.text, "s", why);
-      if (!seconds) return complain(why);
-      if (!range.contains(*seconds))
+    const auto read = [&](Real& out, const std::string& unit, const Range& range) {
+      const std::optional<Real> number = parse_quantity(value.text, unit, why);
+      if (!number) return complain(why);
+      if (!range.contains(*number))
         return complain("'" + shown(value.text) + "' is out of range: it must be " +
-                        range_text(range, "s"));
-      out = *seconds;
+                        range_text(range, unit));
+      out = *number;
+    };
+    const auto read_count = [&](Index& out, const Range& range, bool power_of_two) {
+      Real number = static_cast<Real>(out);
+      read(number, "1", range);
+      const auto whole = static_cast<Index>(number);
+      if (static_cast<Real>(whole) != number || (power_of_two && (whole & (whole - 1)) != 0))
+        return complain("'" + shown(value.text) + "': expected a whole number" +
+                        (power_of_two ? " that is a power of two" : ""));
+      out = whole;
     };
     if (value.name == "version") {
       has_version = true;
       if (value.text != "1")
         complain("'" + shown(value.text) + "' is not supported; this program reads version 1");
     } else if (value.name == "dt") {
-      read_seconds(scene_.dt, dt_range);
+      read(scene_.dt, "s", dt_range);
     } else if (value.name == "duration") {
-      read_seconds(scene_.duration, duration_range);
+      read(scene_.duration, "s", duration_range);
+    } else if (value.name == "tolerance") {
+      read(scene_.limits.tolerance, "1", tolerance_range);
+    } else if (value.name == "gap_tolerance") {
+      read(scene_.limits.gap_tolerance, "m", gap_range);
+    } else if (value.name == "passes") {
+      read_count(scene_.limits.passes, count_range, false);
+    } else if (value.name == "substeps") {
+      read_count(scene_.limits.substeps, count_range, true);
     } else if (value.name == "gravity") {
       const auto g = parse_quantities(value.text, "m/s^2", why);
       if (!g)

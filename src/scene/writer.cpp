@@ -47,6 +47,14 @@ class Writer {
     attribute("dt", format_real(scene_.dt) + " s");
     if (scene_.duration != defaults.duration)
       attribute("duration", format_real(scene_.duration) + " s");
+    const StepLimits& limits = scene_.limits;
+    if (limits.tolerance != defaults.limits.tolerance)
+      attribute("tolerance", format_real(limits.tolerance));
+    if (limits.gap_tolerance != defaults.limits.gap_tolerance)
+      attribute("gap_tolerance", format_real(limits.gap_tolerance) + " m");
+    if (limits.passes != defaults.limits.passes) attribute("passes", std::to_string(limits.passes));
+    if (limits.substeps != defaults.limits.substeps)
+      attribute("substeps", std::to_string(limits.substeps));
     attribute("gravity", format_real(scene_.gravity.x()) + ' ' + format_real(scene_.gravity.y()) +
                              ' ' + format_real(scene_.gravity.z()));
     out_ += ">\n";

@@ -96,6 +96,7 @@ std::string read_problem(const std::string& file, std::span<const LawOperations*
     problem.blocks.push_back(b);
   }
   if (!in || row != rows) return file + " is damaged";
+  problem.gap.setZero(rows);  // of the guess; not kept
   problem.d_free.resize(rows);
   problem.lambda.resize(rows);
   problem.delta.setZero(rows);

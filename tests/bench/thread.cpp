@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "unit/thread/divided_step.h"
 #include "unit/thread/rod_builder.h"
 #include "validation/thread/loop.h"
 
@@ -57,8 +58,7 @@ Section card() {
 
 double step_time(Rod& rod, Real dt, const Vec3& g, const VecX& force) {
   return best_time([&] {
-    if (!rod.free_motion(dt, g)) std::abort();
-    rod.correct(dt, force);
+    if (rod.advance(dt, g, force, well_balanced) == 0) std::abort();
   });
 }
 
@@ -77,8 +77,7 @@ void work_precision(std::FILE* csv) {
     rod.clamp(0);
     const VecX none = VecX::Zero(rod.dofs());
     for (int i = 0; i < 200; ++i) {  // 10 s: at rest
-      rod.free_motion(0.05, gravity);
-      rod.correct(0.05, none);
+      rod.advance(0.05, gravity, none, well_balanced);
     }
     const Vec3 tip = rod.poses(Configuration::current).back().position;
     // Exact heavy elastica (inextensible).
@@ -118,12 +117,11 @@ void cost(std::FILE* csv) {
     rod.clamp(0);
     const VecX none = VecX::Zero(rod.dofs());
     for (int i = 0; i < 20; ++i) {
-      rod.free_motion(0.01, gravity);
-      rod.correct(0.01, none);
+      rod.advance(0.01, gravity, none, well_balanced);
     }
     const double per = 1e9 / static_cast<double>(n);
     const double step = per * step_time(rod, 0.01, gravity, none);
-    const double assemble = per * best_time([&] { rod.assemble(0.01, gravity); });
+    const double assemble = per * best_time([&] { rod.assemble(Rod::Tangent::exact); });
     const double factor = per * best_time([&] { rod.factor(); });
     VecX x = VecX::Ones(rod.dofs());
     const double solve = per * best_time([&] { rod.matrix().solve(Eigen::Ref<VecX>(x)); });
@@ -143,8 +141,7 @@ double loop_step_time(Rod& rod, Real angle) {
   SamplingWork work;
   const SamplingRules rules = loop::rules(angle);
   return best_time([&] {
-    if (!rod.free_motion(0.01, Vec3::Zero())) std::abort();
-    rod.correct(0.01, none);
+    if (rod.advance(0.01, Vec3::Zero(), none, well_balanced) == 0) std::abort();
     if (angle > 0 && sample(rod, rules, work)) std::abort();
   });
 }
@@ -184,9 +181,7 @@ void start(std::FILE* csv) {
     Index passes = 0;
     const double t0 = cpu_seconds();
     for (int i = 0; i < steps; ++i) {
-      rod.free_motion(dt, gravity);
-      rod.correct(dt, none);
-      passes += rod.passes();
+      passes += rod.advance(dt, gravity, none, well_balanced);
     }
     const double time = (cpu_seconds() - t0) / steps;
     const Vec3 tip = rod.poses(Configuration::current).back().position;

@@ -104,7 +104,7 @@ EventCheck explain(const ConstraintProblem& start, const ConstraintProblem& solv
       if (due(a, i, start.blocks[i].law, mode)) a.blocks[i].mode = b.blocks[i].mode = mode;
     }
   }
-  // 10 times the tolerance of the scene's solver, 1e-5.
+  // A threshold that is met as well as the tolerances of the step can tell.
   out.verdict = nearest < 1e-4 ? Verdict::undecided : Verdict::wrong;
   out.text = name + ", from its threshold by " + std::to_string(nearest);
   return out;

@@ -62,8 +62,8 @@ TEST_F(GrasperScene, ForceAndWeightAreWhatChangesMomentum) {
     for (int i = 0; i < 3; ++i) {
       const double change = at(n, momentum[i]) - at(n - 1, momentum[i]);
       const double applied = dt * (at(n, force[i]) - (i == 2 ? weight : 0));
-      // Exact but for the step after the release, when the stretched thread snaps back and the
-      // thread's one linearisation per step leaves 4e-5 of the weight unbalanced.
+      // Exact but for what the passes leave, most in the step after the release, when the stretched
+      // thread snaps back.
       EXPECT_NEAR(change, applied, 1e-4 * weight * dt) << "step " << n << " axis " << i;
     }
   }

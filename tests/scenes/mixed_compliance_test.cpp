@@ -69,9 +69,8 @@ TEST(MixedCompliance, AStitchDoesNotDependOnTheForm) {
     }
     if (pierced == 0 && at(assembled, "puncture.punctures") > 0) pierced = i;
     EXPECT_EQ(at(mixed, "puncture.punctures"), at(assembled, "puncture.punctures")) << i;
-    // Steps inherit and may enlarge what the one before left: a solve stops at a residual of 1e-5,
-    // which is 1e-6 N and 1 nm, and where it stops is decided by rounding. The trajectory keeps
-    // within what was asked of it.
+    // Steps inherit and may enlarge what the one before left, and where the passes stop is decided
+    // by rounding. The trajectory keeps together.
     for (const std::string& f : forces)
       EXPECT_NEAR(at(mixed, f), at(assembled, f), 1e-6) << f << " " << i;
     for (const std::string& l : lengths)

@@ -79,18 +79,7 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
     const Body* body = simulation.bodies()[i].body;
     x.push_back(body->geometry().points);
     if (const auto* c = dynamic_cast<const CurveBody*>(body)) {
-      // Rows of the thread are taken where the step was linearised; `frame` is on the curve through
-      // those poses.
       curve = c, thread = i;
-      const std::vector<Vec3> before = x.back();
-      const BodyGeometry geometry = body->geometry();
-      const auto abscissa =
-          std::find_if(geometry.fields.begin(), geometry.fields.end(),
-                       [](const auto& field) { return field.name == "abscissa [m]"; });
-      for (std::size_t n = 0; n < before.size(); ++n) {
-        x.back()[n] = c->frame(abscissa->values[n], Configuration::free).position;
-        out.ahead = std::max(out.ahead, (x.back()[n] - before[n]).norm());
-      }
     } else {
       tissue = i;
     }
@@ -123,15 +112,16 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
                 c = share_of(p.bodies[tissue], x[tissue], b);
     const VecX lambda = p.lambda.segment(b.first_row, dim);
     const Vec3 f = a.force.leftCols(dim) * lambda;
-    Vec3 at = curve->frame(0, Configuration::free).position;  // puncture and cutting act on the tip
+    Vec3 at =
+        curve->frame(0, Configuration::current).position;  // puncture and cutting act on the tip
     if (is(b, Bilateral<2>::name)) {
       at = on_thread[sample(b)] = lever(a, dim);
       // The search is local: help it where the thread is curved.
       Real off = INFINITY;
       for (int k = 0; k <= 20 && off > 1e-9; ++k) {
         const Real s = curve->closest_abscissa(at, curve->length() * k / 20, 0, curve->length(),
-                                               Configuration::free);
-        off = std::min(off, (curve->frame(s, Configuration::free).position - at).norm());
+                                               Configuration::current);
+        off = std::min(off, (curve->frame(s, Configuration::current).position - at).norm());
       }
       out.off_curve = std::max(out.off_curve, off);
       if (f.norm() > 0) out.gap = std::max(out.gap, (at - c.mean).norm());

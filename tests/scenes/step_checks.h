@@ -20,11 +20,8 @@ struct ThirdLaw {
   Real off_curve = 0;  ///< largest distance of a point on which path rows act from the centreline
                        ///< of the thread (m)
   Real gap = 0;  ///< largest distance between the two points of a path block that bears a force (m)
-  Real ahead =
-      0;  ///< largest distance of a node of the thread from where the step was linearised (m)
 };
-/// At the time of the solve: the tissue is where the step began, the thread where its step was
-/// linearised.
+/// The bodies are where the rows of the problem were built.
 ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& solved);
 
 /// The largest amount by which a force lies outside the set that its law admits, in N, over the

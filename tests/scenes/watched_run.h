@@ -14,8 +14,7 @@
 
 namespace sutura::testing {
 
-/// The default solver, and a look at what it does. Called twice in a step whose first W was too far
-/// off.
+/// The default solver, and a look at what it does, once in every pass.
 class WatchedSolver : public Component, public ConstraintSolver {
  public:
   using Look = std::function<void(const ConstraintProblem& before, const ConstraintProblem& after,
@@ -37,6 +36,29 @@ class WatchedSolver : public Component, public ConstraintSolver {
  private:
   BlockGaussSeidel solver_;
   ConstraintProblem before_;
+};
+
+/// The first and the last solve of a step.
+struct WatchedStep {
+  ConstraintProblem first, before, after;
+  bool any = false;
+
+  void look(const ConstraintProblem& from, const ConstraintProblem& to) {
+    if (!any) first = from;
+    any = true;
+    before = from;
+    after = to;
+  }
+  /// The last problem with every block in the state in which it began the step, and its events
+  /// free to fire.
+  ConstraintProblem start() const {
+    ConstraintProblem p = before;
+    p.hold_events = false;
+    for (ConstraintBlock& b : p.blocks)
+      for (const ConstraintBlock& old : first.blocks)
+        if (old.key == b.key) b.mode = old.mode;
+    return p;
+  }
 };
 
 class WatchedRun {

@@ -137,6 +137,50 @@ TEST_F(Fixture, WarmStartFollowsTheKeyNotThePlace) {
   EXPECT_EQ(world.problem.lambda[3], 0);
 }
 
+// Between passes a block keeps all it has; a step begins with the force of the last one and with
+// the mode that its source says.
+TEST_F(Fixture, ModeIsKeptBetweenPassesAndForceBetweenSteps) {
+  using Warm = ConstraintBuilder::Warm;
+  const std::vector<const Body*> bodies{&a};
+  ConstraintProblem problem;
+  ConstraintBuilder builder(problem, bodies);
+  const auto build = [&](Warm warm) {
+    builder.begin(warm);
+    for (const std::uint64_t key : {3, 8})
+      builder.add<Coulomb>({key}, {.mu = 0.1}, Vec3(1e-3, 2e-3, Real(key)), Mode(0));
+    builder.finish();
+  };
+  build(Warm::step_before);
+  EXPECT_TRUE(problem.lambda.isZero(0));
+  problem.lambda << 1, 2, 3, 4, 5, 6;
+  problem.blocks[0].mode = 1;
+  problem.blocks[1].mode = 2;
+  const VecX first = problem.lambda;
+
+  build(Warm::pass_before);
+  EXPECT_EQ(problem.lambda, first);
+  EXPECT_EQ(problem.blocks[0].mode, 1);
+  EXPECT_EQ(problem.blocks[1].mode, 2);
+  // What a source measures is the gap, and so far all there is of delta and d_free.
+  EXPECT_EQ(problem.gap, (VecX(6) << 1e-3, 2e-3, 3, 1e-3, 2e-3, 8).finished());
+  EXPECT_EQ(problem.d_free, problem.gap);
+  EXPECT_EQ(problem.delta, problem.gap);
+
+  // A step that is begun anew: nothing of its passes was accepted.
+  build(Warm::step_before);
+  EXPECT_TRUE(problem.lambda.isZero(0));
+  EXPECT_EQ(problem.blocks[1].mode, 0);
+
+  problem.lambda = first;
+  problem.blocks[1].mode = 2;
+  builder.accept();
+  problem.lambda *= 7;  // a later try leaves no trace
+  build(Warm::step_before);
+  EXPECT_EQ(problem.lambda, first);
+  EXPECT_EQ(problem.blocks[0].mode, 0);
+  EXPECT_EQ(problem.blocks[1].mode, 0);
+}
+
 TEST_F(Fixture, NothingIsAllocatedOnceWarm) {
   SmallWorld world({&a, &b}, 0.01);
   const auto build = [&](ConstraintBuilder& builder) {
@@ -171,8 +215,8 @@ TEST_F(Fixture, ForcesOfACouplingAreOppositeAndMomentumIsKept) {
   const Vec3 before = one.momentum() + two.momentum();
   for (int step = 0; step < 20; ++step)
     world.step([&](ConstraintBuilder& builder) {
-      const Vec3 gap =
-          one.position(node(1), Configuration::free) - two.position(node(0), Configuration::free);
+      const Vec3 gap = one.position(node(1), Configuration::current) -
+                       two.position(node(0), Configuration::current);
       const BlockId id = builder.add<Bilateral<3>>({1}, {}, gap);
       world.couple(id, one, 1, Mat3::Identity());
       world.couple(id, two, 0, -Mat3::Identity());

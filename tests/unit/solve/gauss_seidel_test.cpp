@@ -199,6 +199,25 @@ TEST(GaussSeidel, PunctureWaitsForTheConvergedForce) {
   }
 }
 
+// In a pass lambda is that of a guess: an event that is due waits until the step fires it.
+TEST(GaussSeidel, EventsWaitWhereTheyAreHeld) {
+  ConstraintProblem p;
+  append<PunctureLaw>(p, {.puncture_force = 0.9});
+  finish(p, 1e-3 * MatX::Identity(3, 3), Vec3(0, 0, -2e-3));
+  p.hold_events = true;
+  const SolveReport held = solve(p);
+  EXPECT_TRUE(held.converged);
+  EXPECT_EQ(held.events, 0);
+  EXPECT_EQ(p.blocks[0].mode, PunctureLaw::pressing);
+  EXPECT_NEAR(p.lambda[2], 0.9, 1e-12);  // all that the surface can bear
+  EXPECT_EQ(fire_events(p), 1);
+  EXPECT_EQ(p.blocks[0].mode, PunctureLaw::penetrated);
+  EXPECT_EQ(fire_events(p), 0);
+  // Held or not makes no difference once nothing is due.
+  EXPECT_EQ(solve(p).events, 0);
+  EXPECT_EQ(p.blocks[0].mode, PunctureLaw::penetrated);
+}
+
 TEST(GaussSeidel, ANonFiniteProblemIsReportedNotSpread) {
   ConstraintProblem p = stitch({.samples = 5});
   p.d_free[4] = std::numeric_limits<Real>::quiet_NaN();

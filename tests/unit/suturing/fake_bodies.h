@@ -16,7 +16,8 @@ struct RigidNeedle : Component, CurveBody {
   std::vector<Real> times{0}, travel{0};
   Real start_height = 0, length_ = 0.1, radius_ = 0.25e-3, sideways = 0;
   Real swage = 0.1;  // where the needle ends and thread begins
-  Real now_ = 0, free_ = 0;
+  Real start_ = 0, now_ = 0;
+  VecX change_ = VecX::Zero(3);
 
   static void describe(Describe<RigidNeedle>& d) {
     d.summary("Rigid straight needle along -z.");
@@ -40,7 +41,12 @@ struct RigidNeedle : Component, CurveBody {
   }
   Index dofs() const override { return 3; }
   int width() const override { return 3; }
-  void free_motion(const StepContext& c) override { free_ = at(c.end()); }
+  void begin_step(const StepContext& c) override {
+    start_ = at(c.time);
+    now_ = at(c.end());
+  }
+  void linearise(const StepContext&, const VecX&) override {}
+  Eigen::Ref<const VecX> change() const override { return change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
     return point(p.weights[0], c);
   }
@@ -51,7 +57,9 @@ struct RigidNeedle : Component, CurveBody {
     J.coefficients = Mat3::Identity();
   }
   void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
-  void correct(const StepContext&, const VecX&) override { now_ = free_; }
+  void correct(const StepContext&, const VecX&) override {}
+  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
+  void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }
   Real mass() const override { return 0; }
   Real energy() const override { return 0; }
@@ -63,7 +71,7 @@ struct RigidNeedle : Component, CurveBody {
   Real radius(Real) const override { return radius_; }
   EmbeddedPoint embed(Real s) const override { return {0, {s, 0, 0, 0}}; }
   Vec3 point(Real s, Configuration c) const override {
-    const Real t = c == Configuration::free ? free_ : c == Configuration::current ? now_ : 0;
+    const Real t = c == Configuration::start ? start_ : c == Configuration::current ? now_ : 0;
     return {sideways, 0, start_height - t + s};
   }
   Vec3 tangent(Real, Configuration) const override { return Vec3::UnitZ(); }
@@ -83,8 +91,10 @@ struct SpringSlab : Component, SolidBody {
   Real stiffness = 300, mass_ = 1e-6, thickness = 1;
   std::vector<Real> youngs;  ///< per region, Pa; none: not known
   std::vector<Real> layers;  ///< depths at which the region number grows by one, from region 1
-  Vec3 u_ = Vec3::Zero(), v_ = Vec3::Zero(), free_ = Vec3::Zero(), dv_ = Vec3::Zero();
+  Vec3 u_ = Vec3::Zero(), v_ = Vec3::Zero(), start_u_ = Vec3::Zero(), start_v_ = Vec3::Zero();
+  VecX change_ = VecX::Zero(3);
   Real h_ = 0;
+  bool in_step_ = false;
 
   static void describe(Describe<SpringSlab>& d) {
     d.summary("Rigid slab on a spring.");
@@ -99,16 +109,23 @@ struct SpringSlab : Component, SolidBody {
   }
   const Vec3& shift(Configuration c) const {
     static const Vec3 zero = Vec3::Zero();
-    return c == Configuration::free ? free_ : c == Configuration::current ? u_ : zero;
+    return c == Configuration::start ? start_u_ : c == Configuration::current ? u_ : zero;
   }
   Real inverse() const { return 1 / (mass_ + h_ * h_ * stiffness); }
   Index dofs() const override { return 3; }
   int width() const override { return 3; }
-  void free_motion(const StepContext& c) override {
+  Vec3 missing() const { return mass_ * (start_v_ - v_) - h_ * stiffness * u_; }
+  void begin_step(const StepContext& c) override {
+    if (!in_step_) start_u_ = u_, start_v_ = v_;
+    in_step_ = true;
     h_ = c.dt;
-    dv_ = inverse() * h_ * (-stiffness * u_ - h_ * stiffness * v_);
-    free_ = u_ + h_ * (v_ + dv_);
+    v_ = start_v_;
+    u_ = start_u_ + h_ * v_;
   }
+  void linearise(const StepContext&, const VecX& force) override {
+    change_ = inverse() * (missing() + h_ * force);
+  }
+  Eigen::Ref<const VecX> change() const override { return change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
     return Vec3(p.weights[0], p.weights[1], p.weights[2]) + shift(c);
   }
@@ -119,10 +136,16 @@ struct SpringSlab : Component, SolidBody {
     J.coefficients = Mat3::Identity();
   }
   void solve(Eigen::Ref<MatX> columns) const override { columns *= inverse(); }
-  void correct(const StepContext&, const VecX& force) override {
-    v_ += dv_ + h_ * inverse() * force;
-    u_ += h_ * v_;
+  void correct(const StepContext&, const VecX& force_change) override {
+    v_ += change_ + h_ * inverse() * force_change;
+    u_ = start_u_ + h_ * v_;
   }
+  Imbalance imbalance(const StepContext&, const VecX& force) override {
+    const Real lacking = (missing() / h_ + force).norm();
+    const Real at_work = force.norm() + stiffness * u_.norm() + 1e-12;
+    return {lacking, lacking / at_work};
+  }
+  void end_step(const StepContext&, const VecX&) override { in_step_ = false; }
   Vec3 momentum() const override { return mass_ * v_; }
   Real mass() const override { return mass_; }
   Real energy() const override { return 0; }

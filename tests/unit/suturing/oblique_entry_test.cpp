@@ -36,7 +36,7 @@ struct ObliqueNeedle : RigidNeedle {
   }
   Vec3 ahead() const { return {std::cos(angle), 0, -std::sin(angle)}; }
   Vec3 point(Real s, Configuration c) const override {
-    return ((c == Configuration::free      ? free_
+    return ((c == Configuration::start     ? start_
              : c == Configuration::current ? now_
                                            : 0) -
             s) *
@@ -104,7 +104,7 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
   bool open = false;
   for (Index i = 0; i < 250; ++i) {
     const StepReport& report = simulation->step();
-    ASSERT_TRUE(report.solve.converged) << i;
+    ASSERT_TRUE(report.solved) << i;
     const Real s = needle.now_;
     const bool was_open = open;
     const ConstraintBlock* block = puncture_block();

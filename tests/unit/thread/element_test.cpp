@@ -110,6 +110,9 @@ TEST_P(Element, HessianIsTheDerivativeOfTheForce) {
   Mat9 k;
   hessian(beam.rest, s, k);
   EXPECT_LT((k - k.transpose()).norm(), 1e-12 * k.norm());
+  ElementMatrix parts;
+  hessian(beam.rest, s, parts);
+  EXPECT_EQ(expand(parts), expand(k));
   // The gradient in spins is not a gradient in rotation vectors: its derivative along a constant
   // spin is the symmetric Hessian plus half the bracket of the moments, an antisymmetric part.
   Mat9 expected = Mat9::Zero();

@@ -35,8 +35,8 @@ struct NeedleModel {
   /// x: position of the tip along z, positive into the slab.
   void move(Real from, Real to) {
     BlockId surface, friction;
-    // Depth of the tip in the slab, at the end of the step if nothing pushes.
-    const auto free_depth = [&] { return to - slab.position(node(0), Configuration::free).z(); };
+    // Depth of the tip in the slab.
+    const auto depth_now = [&] { return to - slab.x[2]; };
     world.step([&](ConstraintBuilder& builder) {
       if (!inside) {
         PunctureLaw::Params p;
@@ -46,19 +46,19 @@ struct NeedleModel {
         p.cutting_force = fc;
         p.drag = tau;
         // Rows: tip minus surface point. The slab is the only body: its force is the reaction.
-        surface = builder.add<PunctureLaw>({1}, p, Vec3(0, 0, free_depth()), PunctureLaw::pressing,
+        surface = builder.add<PunctureLaw>({1}, p, Vec3(0, 0, depth_now()), PunctureLaw::pressing,
                                            {.force = fp});
         world.couple(surface, slab, 0, -Mat3::Identity());
         return;
       }
       const MatX along = Vec3(0, 0, 1).transpose();
       const BlockId cut =
-          builder.add<CuttingLaw>({2}, {.threshold = fc}, BlockVector<1>(path_end - free_depth()));
+          builder.add<CuttingLaw>({2}, {.threshold = fc}, BlockVector<1>(path_end - depth_now()));
       world.couple(cut, slab, 0, along);
       // Friction on the inserted length of the last step; its growth within the step acts as a
       // viscous part.
       const Real before = inserted, level = tau * inserted;
-      const Real moved = free_depth() - before;
+      const Real moved = depth_now() - before;
       friction = builder.add<PathFrictionLaw>(
           {3}, {.static_level = level, .kinetic = level, .viscous = slip > 0 ? tau : 0.0},
           BlockVector<1>(moved), PathFrictionLaw::stick);
@@ -154,7 +154,7 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
       for (int step = 0; step * h < duration; ++step) {
         BlockId id;
         world.step([&](ConstraintBuilder& builder) {
-          const Real d = body.position(node(0), Configuration::free).x() - body.x[0];
+          const Real d = body.x[0] - body.position(node(0), Configuration::start).x();
           id = builder.add<PathFrictionLaw>(
               {1}, p, BlockVector<1>(d),
               std::abs(slip) > p.stick_slip ? PathFrictionLaw::slip : PathFrictionLaw::stick);
@@ -241,13 +241,15 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
       for (int step = 0; step < 4 * n + 60; ++step) {
         std::vector<BlockId> hold, drag;
         world.step([&](ConstraintBuilder& builder) {
+          hold.clear();
+          drag.clear();
           for (int i = 1; i <= n; ++i) {
             const auto v = static_cast<std::size_t>(i);
             const Vec3 t = (along[v - 1] + along[v]).normalized();
             const Vec3 across = Vec3::UnitZ().cross(t);
-            const Vec3 moved = chain.position(node(i), Configuration::free) -
-                               chain.position(node(i), Configuration::current);
-            const Vec3 off = chain.position(node(i), Configuration::free) - at[v];
+            const Vec3 now = chain.position(node(i), Configuration::current);
+            const Vec3 moved = now - chain.position(node(i), Configuration::start);
+            const Vec3 off = now - at[v];
             MatX rows(2, 3);
             rows << across.transpose(), Vec3::UnitZ().transpose();
             hold.push_back(

@@ -1,0 +1,83 @@
+#include "runtime/step_division.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+using namespace sutura;
+
+namespace {
+
+struct Walk {
+  int failures = 0, refused = 0, parts = 0;
+};
+
+/// Goes through a step whose tries fail where a bit of `failures` is set, and checks that what is
+/// accepted fills the step without gap or overlap.
+Walk walk(Index most, unsigned failures) {
+  Walk w;
+  StepDivision division(most);
+  Real reached = 0;  // in units of the step; sums of powers of two, so exact
+  unsigned bits = failures;
+  while (!division.done()) {
+    EXPECT_EQ(division.begin(), reached);
+    EXPECT_LE(division.parts(), most);
+    EXPECT_EQ(division.divided(), division.parts() > 1);
+    const Index before = division.parts();
+    const bool fails = bits & 1;
+    bits >>= 1;
+    if (fails) {
+      ++w.failures;
+      if (division.halve()) {
+        EXPECT_EQ(division.parts(), 2 * before);
+        EXPECT_EQ(division.begin(), reached);  // the same place, half as far
+        continue;
+      }
+      EXPECT_EQ(before, most);  // refused only where it cannot be any shorter
+      EXPECT_EQ(division.parts(), before);
+      ++w.refused;
+    }
+    reached += 1 / static_cast<Real>(division.parts());
+    division.next();
+    ++w.parts;
+    // At most twice as long as the part before, and only where that begins on its own grid.
+    EXPECT_GE(2 * division.parts(), before);
+    if (w.parts > 1000) {
+      ADD_FAILURE() << "does not end";
+      break;
+    }
+  }
+  EXPECT_EQ(reached, 1);
+  return w;
+}
+
+TEST(StepDivision, EveryPatternOfFailuresFillsTheStep) {
+  for (const Index most : {1, 2, 4, 8})
+    for (unsigned failures = 0; failures < (1u << 12); ++failures) walk(most, failures);
+}
+
+TEST(StepDivision, OneFailureCostsTwoParts) {
+  const Walk w = walk(64, 1);
+  EXPECT_EQ(w.parts, 2);
+  EXPECT_EQ(w.refused, 0);
+}
+
+TEST(StepDivision, GrowsAgainAfterSuccess) {
+  // Three failures at the start: an eighth, then as long as fits: 1/8 1/8 1/4 1/2.
+  StepDivision division(8);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(division.halve());
+  EXPECT_FALSE(division.halve());
+  std::vector<Index> parts;
+  for (; !division.done(); division.next()) parts.push_back(division.parts());
+  EXPECT_EQ(parts, (std::vector<Index>{8, 8, 4, 2}));
+}
+
+TEST(StepDivision, NeverDividesIfToldSo) {
+  StepDivision division(1);
+  EXPECT_FALSE(division.halve());
+  EXPECT_FALSE(division.divided());
+  division.next();
+  EXPECT_TRUE(division.done());
+}
+
+}  // namespace
