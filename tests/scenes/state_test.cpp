@@ -52,7 +52,8 @@ class Compiled {
       scene = load_scene(file, registry_, diagnostics, options);
     }
     if (scene) simulation_ = Simulation::compile(std::move(scene), ".", diagnostics);
-    for (const Diagnostic& d : diagnostics.all()) ADD_FAILURE() << d.text();
+    for (const Diagnostic& d : diagnostics.all())
+      if (d.severity == Severity::error) ADD_FAILURE() << d.text();
   }
   explicit operator bool() const { return simulation_ != nullptr; }
   Simulation* operator->() { return simulation_.get(); }
