@@ -107,10 +107,10 @@ void Tissue::solve_what_matters(const StepContext& context, VecX& momentum) {
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     if (fixed_[i]) momentum.segment<3>(3 * static_cast<Index>(i)).setZero();
   const Real enough = 5e-5 * context.dt * at_work_;
-  if (momentum.norm() > enough)
-    solver_->solve(momentum, enough);
-  else
+  if (momentum.norm() <= enough)
     momentum.setZero();
+  else  // also what is no number: it has to show
+    solver_->solve(momentum, enough);
 }
 
 void Tissue::linearise(const StepContext& context, const VecX& force) {

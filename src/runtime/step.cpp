@@ -175,8 +175,11 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
   }
 }
 
+/// Once for a component and step, also where the step is divided.
 void Simulation::note_fault(const std::string& path, const std::string& fault) {
-  if (!fault.empty()) report_.faults.push_back(path + ": " + fault);
+  const auto is_known = [&](const std::string& other) { return other.starts_with(path + ": "); };
+  if (!fault.empty() && std::none_of(report_.faults.begin(), report_.faults.end(), is_known))
+    report_.faults.push_back(path + ": " + fault);
 }
 
 Imbalance StepReport::worst_imbalance() const {

@@ -137,13 +137,13 @@ TEST_F(CommandLine, APluginThatIsCutShortIsSix) {
 TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
   const std::string block =
       "run " SUTURA_SOURCE_DIR "/scenes/components/DirectSolver.xml --steps 3" + output();
-  EXPECT_EQ(command(block).text.find("trouble"), std::string::npos);
+  EXPECT_EQ(command(block).text.find("FAULT"), std::string::npos);
   const Outcome out = command(block + " --set .gravity='0 0 -5000'");
-  EXPECT_EQ(out.code, 0) << out.text;
-  EXPECT_NE(out.text.find("trouble in 3 of 3 steps; the first, in step 1: /tissue: "),
+  EXPECT_EQ(out.code, 5) << out.text;
+  EXPECT_NE(out.text.find("FAULT in 3 of 3 steps, first in step 1: /tissue: "),
             std::string::npos)
       << out.text;
-  EXPECT_NE(out.text.find("tetrahedra are inverted"), std::string::npos) << out.text;
+  EXPECT_NE(out.text.find("tetrahedra are turned inside out"), std::string::npos) << out.text;
 }
 
 TEST_F(CommandLine, InterruptEndsTheStepAndClosesFiles) {
