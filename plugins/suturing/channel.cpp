@@ -199,9 +199,11 @@ void Channel::record() {
   const Real depth = tip_depth();
   if (depth <= end_depth_) return;
   if (!tissue_.locate(tip(), Configuration::current)) {
-    // Out through the surface without a puncture: nothing is left to cut once it is clear of it.
+    // Out through the surface without a puncture: nothing is left to cut once it is well clear of
+    // it. Nearer, it may be tenting the surface, of which a puncture holds back a patch and not
+    // every facet.
     const auto foot = tissue_.closest_surface(tip(), spacing_, Configuration::current);
-    if (foot && foot->distance > 0.1 * spacing_) leave(foot->at);
+    if (!foot) leave(end_);
     return;
   }
   end_ = embed(tip());

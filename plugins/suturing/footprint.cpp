@@ -11,9 +11,8 @@ namespace {
 
 constexpr int most_points = 16;
 constexpr Real bearable = 0.3;  // mean pressure on the disc, in units of E
-constexpr Real widest = 10;     // disc, in units of the radius of the tip
-constexpr Real deepest =
-    3;  // dent of the near field, in units of the disc: linear theory says no more
+constexpr Real widest = 10;     // disc, in units of the radius of the shaft
+constexpr Real deepest = 3;     // dent of the near field, of the disc: linear theory says no more
 
 }  // namespace
 
@@ -28,16 +27,18 @@ void Footprint::find(const SurfacePoint& surface) {
 }
 
 void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real tip_radius,
-                     Real force) {
+                     Real shaft_radius, Real force) {
   find(surface);
   const Elasticity material = tissue.elasticity(surface.at);
   if (!(material.young > 0)) return;
   constexpr Real pi = std::numbers::pi;
-  const Real disc = std::clamp(std::sqrt(force / (bearable * pi * material.young)), tip_radius,
-                               widest * tip_radius);
-  const Real plane = (1 - material.poisson * material.poisson) / material.young;
-  compliance_ = plane * std::max(1 / (2 * tip_radius) - 16 / (3 * pi * pi * disc), Real(0));
-  compliance_ = std::min(compliance_, deepest * disc / force);
+  const Real borne = std::sqrt(force / (bearable * pi * material.young));
+  const Real disc = std::clamp(borne, shaft_radius, widest * shaft_radius);
+  if (tip_radius > 0) {
+    const Real plane = (1 - material.poisson * material.poisson) / material.young;
+    compliance_ = plane * std::max(1 / (2 * tip_radius) - 16 / (3 * pi * pi * disc), Real(0));
+    compliance_ = std::min(compliance_, deepest * disc / force);
+  }
 
   // Points of equal area on the disc (a sunflower), each taken to the surface.
   points_.clear();

@@ -38,9 +38,10 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
   d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
-              "Radius of the tip, over which it presses; 0: the radius of the needle. A small "
-              "force F dents "
-              "thick tissue by (1 - nu^2) F / (2 radius E), whatever the mesh.");
+              "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
+              "E), whatever "
+              "the mesh. 0: as wide as the tissue needs to bear the threshold at a mean pressure "
+              "of 0.3 E.");
   d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
@@ -110,11 +111,11 @@ void Puncture::detect(const StepContext& context) {
   path_->set_tip_blocked(blocked_);
   if (front_ == Front::none || front_ == Front::overrun) return;
   if (context.pass == 0) {
-    const Real radius = tip_radius_ > 0 ? tip_radius_ : path_->thread().radius(0);
     if (front_ == Front::layer)
       footprint_.find(touched_);
     else
-      footprint_.find(path_->tissue(), touched_, radius, threshold_of_front());
+      footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
+                      threshold_of_front());
   }
   follow_front();
 }
@@ -164,8 +165,9 @@ Puncture::Front Puncture::find_exit() {
   const Vec3 forward = -thread.tangent(0, Configuration::start);
   const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
   auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start);
-  // A tip that tents the surface may sit on it, on either side by rounding.
-  if (!hit) hit = tissue.closest_surface(tip, 0.1 * reach_, Configuration::start);
+  // A tip that tents the surface holds a patch of it back, and may stand before or behind a single
+  // facet.
+  if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;

@@ -46,7 +46,7 @@ class Puncture : public Component, public ConstraintSource {
   std::vector<Real> region_thresholds_;
   std::vector<int> regions_;  ///< tags, of the names in the text
   Real friction_ = 0.2;
-  Real tip_radius_ = 0;  ///< 0: that of the needle
+  Real tip_radius_ = 0;  ///< 0: that of the footprint
   Real reach_ = 1e-3;
   Index source_id_ = 0;
 

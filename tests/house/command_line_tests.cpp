@@ -133,15 +133,14 @@ TEST_F(CommandLine, APluginThatIsCutShortIsSix) {
 }
 
 // Five hundred times its weight crushes the block: the summary counts the steps and shows the
-// first.
+// first, and the command says that they are not what was asked for.
 TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
   const std::string block =
       "run " SUTURA_SOURCE_DIR "/scenes/components/DirectSolver.xml --steps 3" + output();
   EXPECT_EQ(command(block).text.find("FAULT"), std::string::npos);
   const Outcome out = command(block + " --set .gravity='0 0 -5000'");
   EXPECT_EQ(out.code, 5) << out.text;
-  EXPECT_NE(out.text.find("FAULT in 3 of 3 steps, first in step 1: /tissue: "),
-            std::string::npos)
+  EXPECT_NE(out.text.find("FAULT in 3 of 3 steps, first in step 1: /tissue: "), std::string::npos)
       << out.text;
   EXPECT_NE(out.text.find("tetrahedra are turned inside out"), std::string::npos) << out.text;
 }

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 
+#include "../../plugins/suturing/puncture_law.h"
 #include "house/command.h"
 #include "random_scene.h"
+#include "solve/law_residual.h"
 #include "step_checks.h"
 #include "watched_run.h"
 
@@ -14,6 +16,16 @@ namespace sutura::testing {
 namespace {
 
 constexpr int shards = 8, scenes_per_shard = 25;
+
+/// Largest distance by which a node of one body has moved since `x`, which becomes the present.
+Real moved(const Body& body, std::vector<Vec3>& x) {
+  const std::vector<Vec3> now = body.geometry().points;
+  Real most = 0;
+  for (std::size_t i = 0; i < now.size() && i < x.size(); ++i)
+    most = std::max(most, (now[i] - x[i]).norm());
+  x = now;
+  return most;
+}
 
 struct Counts {
   Index steps = 0, rows = 0, events = 0, entries = 0, layers = 0, exits = 0, retractions = 0,
@@ -27,6 +39,10 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
   WatchedRun run(scene.write(folder));
   ASSERT_TRUE(run) << "seed " << seed;
   Simulation& simulation = run.simulation();
+  Body& thread = run.body<CurveBody>();
+  Body& tissue = run.body<SolidBody>();
+  std::vector<Vec3> thread_x = thread.geometry().points, tissue_x = tissue.geometry().points;
+  Real slip_bound = 0;
   const Real gap_tolerance = simulation.scene().limits.gap_tolerance;
   Index step = 0;
   WatchedStep watched;
@@ -45,19 +61,25 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
     // Rows act on the centreline: 1e-9 m is what the search for the closest point leaves.
     EXPECT_LE(third.off_curve, 1e-9) << where;
     counts.off_curve = std::max(counts.off_curve, third.off_curve);
-    // What a path block leaves between its two points is what the wall gives way.
-    const Real bound = run.output("/path", "lateral_gap") + gap_tolerance;
+    // What a path block leaves between its two points: what the wall gives way, and along the
+    // thread the slip of the step.
+    const Real bound = run.output("/path", "lateral_gap") + slip_bound + gap_tolerance;
     EXPECT_LE(third.gap, bound) << where;
     counts.gap_excess = std::max(counts.gap_excess, third.gap - bound);
     std::string who;
     const Real outside = outside_admissible(end, who);
-    // A solve is right to 1e-9 of the force unit: 0.1 N, or fp where that is larger.
-    EXPECT_LE(outside, 1e-8) << where << " " << who;
+    // A block is as close to its law as the tolerance, a length; the stiffest here gives way by
+    // some 0.01 m/N.
+    EXPECT_LE(outside, gap_tolerance / 0.01) << where << " " << who;
     counts.outside = std::max(counts.outside, outside);
     // A millinewton moves its block by more than the tolerance.
     const Real off = off_graph(end, 1e-3, who);
     EXPECT_LE(off, 2 * gap_tolerance) << where << " " << who;
     counts.off_graph = std::max(counts.off_graph, off);
+
+    // Nothing that is due was left undone.
+    ConstraintProblem due = end;
+    EXPECT_EQ(fire_events(due), 0) << where;
 
     counts.events += report.solve.events;
     if (!watched.any || report.parts > 1) return;  // else `first` is of another part
@@ -80,6 +102,7 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
     watched.any = false;
     const StepReport& report = simulation.step();
     ASSERT_TRUE(report.finite) << "seed " << seed << " step " << step;
+    slip_bound = moved(thread, thread_x) + moved(tissue, tissue_x);
     if (report.solved)
       judge(report);
     else
@@ -149,7 +172,10 @@ TEST(StepChecks, FindWhatIsWrong) {
       ++punctured;
       const ConstraintProblem early = start;  // as if the surface had held
       EXPECT_EQ(check_events(start, early).verdict, EventCheck::Verdict::wrong);
-    } else if (report.solve.events == 0 && punctured == 0 && watched.after.lambda.norm() > 1e-3) {
+    } else if (report.solve.events == 0 && punctured == 0 &&
+               std::string_view(start.blocks.front().law->name) == PunctureLaw::name &&
+               start.blocks.front().mode == PunctureLaw::pressing &&
+               watched.after.lambda.norm() > 1e-3) {
       ConstraintProblem late = watched.after;  // as if it had given way below its threshold
       late.blocks.front().mode = 1;
       EXPECT_EQ(check_events(start, late).verdict, EventCheck::Verdict::wrong);
