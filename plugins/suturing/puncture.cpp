@@ -25,24 +25,23 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
   d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")
       .optional();
-  d.attribute("threshold", &Puncture::threshold_, "N", between(1e-6, 1e6),
+  d.attribute("threshold", &Puncture::threshold_, "N", between(1e-12, 1e9),
               "Puncture force fp on entry, where no region says otherwise.");
-  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-6, 1e6),
+  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-12, 1e9),
               "Puncture force from inside.");
   d.attribute("regions", &Puncture::regions_text_,
               "Regions of the tissue, by name or number as in Layer, blank separated, with a "
               "threshold of their own, on the surface and as a "
               "layer under another.");
-  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-6, 1e6),
+  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-12, 1e9),
               "One threshold per region in `regions`.");
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
   d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
               "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
-              "E), whatever "
-              "the mesh. 0: as wide as the tissue needs to bear the threshold at a mean pressure "
-              "of 0.3 E.");
-  d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1),
+              "E), whatever the mesh. 0: as wide as the tissue needs to bear the threshold at a "
+              "mean pressure of 0.3 E.");
+  d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1e3),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
               "inside without a puncture, it counts as an overrun.");

@@ -26,9 +26,9 @@ void SuturePath::describe(Describe<SuturePath>& d) {
       "to the thread there (paper, section 4.4).");
   d.link("thread", &SuturePath::thread_, "Needle and thread.");
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
-  d.attribute("spacing", &SuturePath::spacing_, "m", between(1e-6, 1),
+  d.attribute("spacing", &SuturePath::spacing_, "m", between(1e-6, 1e3),
               "Distance between samples along the channel.");
-  d.attribute("wall_compliance", &SuturePath::wall_compliance_, "1/Pa", between(0, 1),
+  d.attribute("wall_compliance", &SuturePath::wall_compliance_, "1/Pa", between(0, 1e6),
               "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples "
               "closer than the elements say "
               "the same thing several times; without any give their forces would have no bound.");

@@ -50,7 +50,7 @@ void Rod::build(const RodLayout& layout) {
   start_rate_.assign(n, Vec3::Zero());
   states_.resize(n - 1);
   in_step_ = false;
-  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_})
+  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_, &force_})
     v->clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -67,7 +67,7 @@ void Rod::reserve(Index beams) {
   for (auto* reals : {&twist_, &start_twist_, &tension_, &at_work_}) reals->reserve(n);
   start_rate_.reserve(n);
   states_.reserve(n);
-  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_})
+  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_, &force_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);

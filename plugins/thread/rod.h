@@ -144,7 +144,9 @@ class Rod {
  private:
   void take_guess(bool inertia);
   void keep_lengths();
+  void take_velocity();
   void evaluate_guess();
+  Real potential() const;
   void add_beam_balance(Index e);
   void add_spring_balance();
   Wrench spring_wrench(const NodeSpring& spring) const;
@@ -182,7 +184,8 @@ class Rod {
   std::vector<Real> tension_;         ///< that the last pass predicted, N
   DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
   std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
-  DofVector change_, answer_;
+  DofVector change_, answer_, force_;  ///< force_: of constraints, on the guess (N, N m)
+  Real last_turn_ = 0;                 ///< that the pass before asked of a beam (rad)
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

@@ -21,6 +21,7 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
           Vec3(velocity_.segment<3>(6 * i + 3)).cross(pose_[i].rotation * Vec3::UnitX());
     in_step_ = true;
   }
+  last_turn_ = std::numeric_limits<Real>::infinity();
   take_guess(false);
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
   // Going on as before is the better guess, unless it turns beams too far for anything to be
@@ -40,8 +41,7 @@ void Rod::take_guess(bool inertia) {
     for (Index i = 0; i < nodes() && !held; ++i) velocity_.segment<3>(6 * i) += dt_ * gravity_;
     keep_lengths();
   }
-  move(start_, start_twist_, velocity_, dt_, pose_, twist_);
-  evaluate_guess();
+  take_velocity();
 }
 
 /// Straight on, nodes of a turning beam drift apart: by theta^2/2 of its length, times EA. So the
@@ -234,6 +234,7 @@ bool Rod::linearise(const Dofs& force) {
     assemble(Tangent::convex);
     if (!factor()) return false;
   }
+  force_ = force;
   change_ = missing_ + dt_ * force;
   for (const Index node : clamped_) change_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(change_));
@@ -258,11 +259,52 @@ void Rod::correct(const Dofs& force_change) {
   for (const Index node : clamped_) answer_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(answer_));
   answer_ = dt_ * (change_ + dt_ * answer_);
-  const Real part = std::min(1., turn_limit / largest_turn(pose_, answer_));
+  force_ += force_change;
+  const Real turn = largest_turn(pose_, answer_);
+  Real part = std::min(1., turn_limit / turn);
   predict_tension(answer_, part);
+  // Passes may lift the potential on their best way, as long as they contract: a turn fakes
+  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
+  const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
+  const Real before = contracts ? 0 : potential();
   velocity_ += part / dt_ * answer_;
+  take_velocity();
+  for (int cut = 0; cut < 12 && !contracts && !(potential() <= before); ++cut, part /= 2) {
+    velocity_ -= part / (2 * dt_) * answer_;
+    take_velocity();
+  }
+  last_turn_ = turn;
+}
+
+void Rod::take_velocity() {
   move(start_, start_twist_, velocity_, dt_, pose_, twist_);
   evaluate_guess();
+}
+
+/// Of which the end of the step is the minimum, forces of constraints and loads held as they are:
+/// elastic energy and weight, springs, and half the squared change of velocity in the norm of the
+/// mass.
+Real Rod::potential() const {
+  Real sum = -dt_ * force_.dot(velocity_);
+  if (load_.size() == force_.size()) sum -= dt_ * load_.dot(velocity_);
+  for (Index e = 0; e < beams(); ++e) {
+    const ElementState& s = states_[e];
+    const ElementVelocity v(velocity_, e), old(start_velocity_, e);
+    const NodeRates a{v.va - old.va, v.wa.cross(s.ta) - start_rate_[e], v.wa - old.wa};
+    const NodeRates b{v.vb - old.vb, v.wb.cross(s.tb) - start_rate_[e + 1], v.wb - old.wb};
+    const MassTimes p(masses_[e], s, a, b);
+    sum += thread::elastic_energy(elements_[e], s) +
+           (p.xa.dot(a.v) + p.sa.dot(a.spin) + p.xb.dot(b.v) + p.sb.dot(b.spin)) / 2 -
+           dt_ * elements_[e].mass / 2 * gravity_.dot(v.va + v.vb);
+  }
+  for (const NodeSpring& spring : springs_) {
+    if (!spring.active) continue;
+    const Wrench w = spring_wrench(spring);
+    sum += w.force.squaredNorm() / (2 * spring.stiffness.translation);
+    if (spring.stiffness.rotation > 0)
+      sum += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);
+  }
+  return sum;
 }
 
 Imbalance Rod::imbalance(const Dofs& force) const {

@@ -19,31 +19,31 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "The thread as one buys it, '4-0 polypropylene': diameter, modulus, density and "
       "bending factor, where they are not given here. Sizes 6-0 to 0; polypropylene, nylon, "
       "polydioxanone, silk or polyglactin.");
-  d.attribute("needle_length", &T::needle_arc_length, "m", between(0, 0.5),
+  d.attribute("needle_length", &T::needle_arc_length, "m", between(0, 1e3),
               "Length of the needle along its arc; 0: thread without needle.");
   d.attribute("needle_angle", &T::needle_angle, "rad", between(0, 6.2),
               "Angle of the needle's arc; 180 deg is a half circle, 0 a straight needle.");
-  d.attribute("needle_diameter", &T::needle_diameter, "m", between(1e-6, 0.05),
+  d.attribute("needle_diameter", &T::needle_diameter, "m", between(1e-6, 1e5),
               "Diameter of the needle's wire.");
-  d.attribute("needle_young", &T::needle_young, "Pa", between(1, 1e13),
+  d.attribute("needle_young", &T::needle_young, "Pa", between(1e-3, 1e15),
               "Young modulus of the needle.");
   d.attribute("needle_poisson", &T::needle_poisson, "1", between(0, 0.5),
               "Poisson ratio of the needle.");
-  d.attribute("needle_density", &T::needle_density, "kg/m^3", between(0.001, 1e6),
+  d.attribute("needle_density", &T::needle_density, "kg/m^3", between(1e-12, 1e9),
               "Density of the needle.");
   d.attribute("needle_beams", &T::needle_beams, between(1, 10000), "Beams of the needle.");
 
-  d.attribute("thread_length", &T::thread_length, "m", between(1e-4, 100), "Length of the thread.");
-  d.attribute("thread_diameter", &T::thread_diameter, "m", between(1e-6, 0.05),
+  d.attribute("thread_length", &T::thread_length, "m", between(1e-4, 1e5), "Length of the thread.");
+  d.attribute("thread_diameter", &T::thread_diameter, "m", between(1e-6, 1e5),
               "Diameter of the thread.");
-  d.attribute("thread_young", &T::thread_young, "Pa", between(1, 1e13),
+  d.attribute("thread_young", &T::thread_young, "Pa", between(1e-3, 1e15),
               "Young modulus of the thread.");
   d.attribute("thread_poisson", &T::thread_poisson, "1", between(0, 0.5),
               "Poisson ratio of the thread.");
-  d.attribute("thread_density", &T::thread_density, "kg/m^3", between(0.001, 1e6),
+  d.attribute("thread_density", &T::thread_density, "kg/m^3", between(1e-12, 1e9),
               "Density of the thread.");
   d.attribute(
-      "bending_factor", &T::bending_factor, "1", strictly_between(0, 10),
+      "bending_factor", &T::bending_factor, "1", strictly_between(0, 1e6),
       "Bending and torsional stiffness relative to a solid wire of the same modulus: 1 for a "
       "monofilament, about 0.05 for a braid.");
   d.attribute("thread_rest_curvature", &T::thread_rest_curvature, "1/m", between(-1e5, 1e5),
@@ -62,18 +62,18 @@ void SutureThread::describe(Describe<SutureThread>& d) {
       "two "
       "that together turn by less than half of it are merged, up to the length that thread_beams "
       "gives. 0: the beams stay as they are.");
-  d.attribute("shortest_beam", &T::shortest_beam, "m", between(1e-6, 1),
+  d.attribute("shortest_beam", &T::shortest_beam, "m", between(1e-6, 1e3),
               "Shortest beam of adaptive sampling.");
 
-  d.attribute("tip", &T::tip, "m", between(-1000, 1000), "Where the needle tip is at the start.");
+  d.attribute("tip", &T::tip, "m", between(-1e6, 1e6), "Where the needle tip is at the start.");
   d.attribute("tip_direction", &T::tip_direction, "1", between(-1e6, 1e6),
               "Where the tip points, at 'tip' or at 'entry': the direction in which it advances.");
-  d.attribute("needle_centre", &T::needle_centre, "m", between(-1000, 1000),
+  d.attribute("needle_centre", &T::needle_centre, "m", between(-1e6, 1e6),
               "Centre of the needle's arc, with tip_angle instead of tip and tip_direction.");
   d.attribute("tip_angle", &T::tip_angle, "rad", between(-100, 100),
               "Where the tip is on its arc, from the lowest point (towards -z) in the sense in "
               "which the needle advances: -90 deg is level with the centre, on the way down.");
-  d.attribute("entry", &T::entry, "m", between(-1000, 1000),
+  d.attribute("entry", &T::entry, "m", between(-1e6, 1e6),
               "Point at which the tip is to enter, along tip_direction; instead of tip.");
   d.attribute("approach", &T::approach, "m", between(0, 1),
               "How far before 'entry' the tip starts, along the needle's arc.");
@@ -84,7 +84,7 @@ void SutureThread::describe(Describe<SutureThread>& d) {
   d.attribute("thread_direction", &T::thread_direction, "1", between(-1e6, 1e6),
               "Direction in which the thread is laid out at the start; 0 0 0: straight on from the "
               "needle's end.");
-  d.attribute("thread_bend_radius", &T::thread_bend_radius, "m", between(1e-6, 100),
+  d.attribute("thread_bend_radius", &T::thread_bend_radius, "m", between(1e-6, 1e5),
               "Radius of the bend by which the laid out thread turns into thread_direction.");
   d.attribute("clamp", &T::clamp, {"none", "start", "end", "both"},
               "Which end sections are fixed in space, in place and direction.");
@@ -97,7 +97,7 @@ void SutureThread::describe(Describe<SutureThread>& d) {
 
   d.attribute("damping_mass", &T::damping_mass, "1/s", between(0, 1e6),
               "Rayleigh damping, part of the mass matrix.");
-  d.attribute("damping_stiffness", &T::damping_stiffness, "s", between(0, 1000),
+  d.attribute("damping_stiffness", &T::damping_stiffness, "s", between(0, 1e6),
               "Rayleigh damping, part of the stiffness matrix.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
               "Linearisations per time step: 1 is enough for most scenes, more follow fast large "

@@ -10,8 +10,8 @@
 
 namespace sutura {
 
-inline constexpr Range young_range{.low = 0.01, .high = 1e13};    // Pa
-inline constexpr Range density_range{.low = 0.001, .high = 1e6};  // kg/m^3
+inline constexpr Range young_range{.low = 1e-3, .high = 1e15};    // Pa
+inline constexpr Range density_range{.low = 1e-12, .high = 1e9};  // kg/m^3
 /// Above it plain linear tets are too stiff: 10 to 35 % in bending on ordinary meshes at 0.45
 /// (docs/theory/tissue.md).
 inline constexpr Real locking_poisson = 0.4;

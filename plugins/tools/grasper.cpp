@@ -30,14 +30,14 @@ void Grasper::describe(Describe<Grasper>& d) {
       "curve over the step.");
   d.link("body", &Grasper::body_, "The needle and thread.");
   d.link("track", &Grasper::track_, "The motion of the tool.");
-  d.attribute("at", &Grasper::at_, "m", between(0, 100),
+  d.attribute("at", &Grasper::at_, "m", between(0, 1e5),
               "Abscissa of the section that the jaws hold, from the needle tip.");
   d.attribute("grasp", &Grasper::grasp_, "s", at_least(0), "Times at which the jaws close.");
   d.attribute("release", &Grasper::release_, "s", at_least(0),
               "Times at which they open; one less than grasps: they hold on.");
-  d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-3, 1e9),
+  d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-15, 1e12),
               "Of the grip, in translation.");
-  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e6),
+  d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e12),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
   d.input("hold", "1", between(0, 1),
           "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "

@@ -21,14 +21,14 @@ void Track::describe(Describe<Track>& d) {
       "The header of the CSV file names columns and units in any order: `t [s], x [mm], y [mm], "
       "z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is left out is zero.");
   d.attribute("times", &Track::times_, "s", between(-1e6, 1e6), "Times of the keys, increasing.");
-  d.attribute("positions", &Track::positions_, "m", between(-1000, 1000),
+  d.attribute("positions", &Track::positions_, "m", between(-1e6, 1e6),
               "Translation at each key, x y z one after the other; left out: none.");
   d.attribute("rotations", &Track::rotations_, "rad", between(-1e4, 1e4),
               "Rotation vector at each key, x y z one after the other; left out: none.");
   d.attribute("turns", &Track::turns_, "rad", any(),
               "Angle at each key by which the needle of 'about' has advanced along its own arc.");
   d.attribute("file", &Track::file_, "CSV file with the keys, instead of times.");
-  d.attribute("centre", &Track::centre_, "m", between(-1000, 1000),
+  d.attribute("centre", &Track::centre_, "m", between(-1e6, 1e6),
               "Rotations turn about this point: the centre of the needle's arc, say.");
   d.link("about", &Track::about_,
          "A thread with a curved needle: rotations and turns go about the centre of its arc, as it "

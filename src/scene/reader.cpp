@@ -19,7 +19,7 @@ std::string shown(std::string_view name) {
 const std::vector<std::string> settings{
     "version", "dt", "gravity", "duration", "tolerance", "gap_tolerance", "passes", "substeps"};
 const std::vector<std::string> only_name{"name"};
-constexpr Range dt_range{.low = 1e-9, .high = 10};      // s
+constexpr Range dt_range{.low = 1e-9, .high = 1e4};     // s
 constexpr Range duration_range{.low = 0, .high = 1e6};  // s: eleven days
 constexpr Range tolerance_range{.low = 1e-12, .high = 1};
 constexpr Range gap_range{.low = 1e-12, .high = 1};  // m
