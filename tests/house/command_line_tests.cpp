@@ -179,7 +179,7 @@ TEST_F(CommandLine, DescribeKnowsEveryPlugin) {
        {"GaussSeidel", "SutureThread", "Tissue", "Puncture", "Grasper", "CsvProbe"})
     EXPECT_NE(index.text.find(name), std::string::npos) << name;
   const Outcome one = command("describe Tissue");
-  EXPECT_NE(one.text.find("young: real between 0.01 and 1e+13 Pa; default "), std::string::npos)
+  EXPECT_NE(one.text.find("young: real between 0.001 and 1e+15 Pa; default "), std::string::npos)
       << one.text;
 }
 
