@@ -64,6 +64,7 @@ class ThreadPath {
     Diagnostics diagnostics;
     Setup setup{diagnostics, {}, {}, o.dt, Vec3::Zero(), 1};
     thread.initialise(setup);
+    thread.ready(setup);
     const StepContext context{.dt = o.dt, .time = 0, .step = 0, .gravity = Vec3::Zero()};
     thread.begin_step(context);
     thread.linearise(context, VecX::Zero(thread.dofs()));

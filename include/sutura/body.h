@@ -26,8 +26,8 @@ struct StepContext {
   Real end() const { return time + dt; }
 };
 
-/// Which positions: at rest; at the start of the step; where the body is now, which during a step is the
-/// guess of its end.
+/// Which positions: at rest; at the start of the step; where the body is now, which during a step
+/// is the guess of its end.
 enum class Configuration { rest, start, current };
 
 /// A point of a body, in the coordinates of the body itself, so that it survives motion.
@@ -103,11 +103,11 @@ class Body {
   virtual bool wants_settling() const { return false; }
   virtual std::string settle(const Vec3& /*gravity*/) { return {}; }
 
-  /// Begins a step of length context.dt where the last one ended: makes a first guess. Called again before
-  /// `end_step` it begins the same step anew, with another length.
+  /// Begins a step of length context.dt where the last one ended: makes a first guess. Called again
+  /// before `end_step` it begins the same step anew, with another length.
   virtual void begin_step(const StepContext& context) = 0;
-  /// Stage linearise: A at the guess, and the change of velocity it answers to what is missing of balance there
-  /// under the present constraint force (N, N m; size dofs).
+  /// Stage linearise: A at the guess, and the change of velocity it answers to what is missing of
+  /// balance there under the present constraint force (N, N m; size dofs).
   virtual void linearise(const StepContext& context, const VecX& force) = 0;
   /// That change (m/s, rad/s; size dofs).
   virtual Eigen::Ref<const VecX> change() const = 0;
@@ -123,12 +123,13 @@ class Body {
   /// its memory from step to step). False if the body is no chain. Exact, or false.
   virtual bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const;
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
-  /// row; a body that knows better overrides it, and may approximate: what a pass leaves of violation is
-  /// measured, and the next pass takes it up. Not asked of chains.
+  /// row; a body that knows better overrides it, and may approximate: what a pass leaves of
+  /// violation is measured, and the next pass takes it up. Not asked of chains.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
 
-  /// Stage correct: adds the answer to a change of the constraint force (N, N m; size dofs) and makes that the
-  /// next guess. May go only part of the way if the linear answer cannot hold so far.
+  /// Stage correct: adds the answer to a change of the constraint force (N, N m; size dofs) and
+  /// makes that the next guess. May go only part of the way if the linear answer cannot hold so
+  /// far.
   virtual void correct(const StepContext& context, const VecX& force_change) = 0;
   /// Stage measure: what the guess lacks of balance under this constraint force.
   virtual Imbalance imbalance(const StepContext& context, const VecX& force) = 0;
@@ -151,7 +152,8 @@ class Body {
   /// What went wrong in the last step, a sentence; empty if nothing did.
   virtual std::string trouble() const { return {}; }
 
-  /// Why the result of the last step cannot be trusted, although the step is solved; empty if it can.
+  /// Why the result of the last step cannot be trusted, although the step is solved; empty if it
+  /// can.
   virtual std::string fault() const { return {}; }
 
   virtual BodyGeometry geometry() const = 0;

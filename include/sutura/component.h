@@ -1,4 +1,5 @@
-// A component: what an XML element becomes. It owns attributes (input), state, and caches.
+// A component: what an XML element becomes. It owns attributes (input), state that `archive`
+// declares, and caches that can be made again from the two.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +16,7 @@
 namespace sutura {
 
 struct ComponentInfo;
+class Archive;
 class Component;
 class Scene;
 
@@ -62,9 +64,17 @@ class Component {
   Component& operator=(const Component&) = delete;
   virtual ~Component();
 
-  /// Called once by `compile`, after every component this one links to. Reads files, allocates
-  /// everything the step needs. Errors go to `setup`; an exception is a programming error.
+  /// Called once by `compile`, after every component this one links to. Reads files and tells the
+  /// components it links to what it wants of them. Errors go to `setup`; an exception is a
+  /// programming error.
   virtual void initialise(Setup& setup);
+  /// Called once by `compile` when every component has been initialised without an error, in the
+  /// same order: now it is known what others want of this one. Makes everything that the first
+  /// step would otherwise have to make.
+  virtual void ready(Setup& setup);
+  /// What has to be remembered from one step to the next, said once for saving and for restoring
+  /// (archive.h). A component that remembers nothing leaves it out.
+  virtual void archive(Archive& archive);
 
   const std::string& name() const { return name_; }
   const std::string& path() const { return path_; }  ///< "/skin/tissue"

@@ -5,14 +5,21 @@
 
 #include <cstdint>
 #include <cstring>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sutura/body.h"
 #include "sutura/law.h"
 
 namespace sutura {
+
+class Archive;
+
+/// Directions of the rows of a block, one per row.
+using Directions = Eigen::Matrix<Real, Eigen::Dynamic, 3, Eigen::ColMajor, max_block_dim, 3>;
 
 /// Names a block across steps, so that its lambda and mode survive. Stable under resampling: made
 /// of what the block is about (a path sample, a contact), never of node numbers.
@@ -88,8 +95,8 @@ class ConstraintBuilder {
   /// `bodies`: all bodies of the simulation, in row order of `problem.bodies`.
   ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies);
 
-  /// Where known keys take lambda and mode from. Of the last step they take lambda alone: the mode in which a
-  /// step begins is the source's to say.
+  /// Where known keys take lambda and mode from. Of the last step they take lambda alone: the mode
+  /// in which a step begins is the source's to say.
   enum class Warm { step_before, pass_before };
   void begin(Warm warm = Warm::step_before);
   /// Assembles H; warm-starts known keys.
@@ -106,9 +113,11 @@ class ConstraintBuilder {
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
   /// The first coupling decides where and on whom the block's force is drawn.
-  void couple(BlockId block, const Body& body,
-              const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions, const PointJacobian& J,
+  void couple(BlockId block, const Body& body, const Directions& directions, const PointJacobian& J,
               const Vec3& at);
+
+  /// What known keys will be given in the next step. Between steps.
+  void archive(Archive& archive);
 
  private:
   BlockId add_block(const LawOperations* law, Key key, const void* params, const Real* gap,
@@ -121,7 +130,7 @@ class ConstraintBuilder {
   };
   struct Known {
     Key key;
-    const LawOperations* law;
+    std::string_view law;  ///< name; of a restored block in `restored_laws_`
     Index first;
     Mode mode;
   };
@@ -131,6 +140,7 @@ class ConstraintBuilder {
     VecX lambda;
     void remember(const ConstraintProblem& problem);
     const Known* find(const ConstraintBlock& block) const;
+    void archive(Archive& archive, std::set<std::string>& laws);
   };
   void gather_rows(std::size_t body);
 
@@ -143,6 +153,7 @@ class ConstraintBuilder {
   std::vector<Real> gap_;
   Memory step_before_, pass_before_;
   Warm warm_ = Warm::step_before;
+  std::set<std::string> restored_laws_;  ///< names that restored blocks view
   std::vector<Index> merged_nodes_;
   std::vector<Real> merged_values_;
 };
@@ -172,15 +183,16 @@ class ConstraintSource {
  public:
   static constexpr const char* interface_name = "ConstraintSource";
   virtual ~ConstraintSource() = default;
-  /// Finds candidates. With `build` after each pass, so in a step it runs at several guesses; what a step is about
-  /// (which surface, which sample) is best decided in pass 0 and kept.
+  /// Finds candidates. With `build` after each pass, so in a step it runs at several guesses; what
+  /// a step is about (which surface, which sample) is best decided in pass 0 and kept.
   virtual void detect(const StepContext&) {}
-  /// Appends blocks, with their violation at the current configuration of the bodies. The order of blocks
-  /// must depend on nothing but the state.
+  /// Appends blocks, with their violation at the current configuration of the bodies. The order of
+  /// blocks must depend on nothing but the state.
   virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;
   /// After `correct`: the only place where topology and the number of rows may change.
   virtual void commit(const StepContext&, const SolvedBlocks&) {}
-  /// Why the result of the last step cannot be trusted, although the step is solved; empty if it can.
+  /// Why the result of the last step cannot be trusted, although the step is solved; empty if it
+  /// can.
   virtual std::string fault() const { return {}; }
 };
 

@@ -112,6 +112,18 @@ struct OutputInfo {
   std::function<OutputValue(const Component&)> read;
 };
 
+/// A value that a host sets between two steps. The next step is the first to feel it.
+using InputValue = std::variant<Real, Vec3>;
+
+struct InputInfo {
+  std::string name;
+  std::string unit;
+  std::string doc;
+  Range range;             ///< of each number
+  bool is_vector = false;  ///< three numbers, not one
+  std::function<void(Component&, const InputValue&)> write;
+};
+
 struct ComponentInfo {
   std::string name;     ///< tag in XML
   std::string plugin;   ///< the room it comes from; "core" for built-in ones
@@ -119,8 +131,33 @@ struct ComponentInfo {
   std::string theory;   ///< equations and sources, Markdown; may be empty
   std::vector<AttributeInfo> attributes;
   std::vector<LinkInfo> links;
+  std::vector<InputInfo> inputs;
   std::vector<OutputInfo> outputs;
   std::function<std::unique_ptr<Component>()> create;
+};
+
+/// An output found by name: reads it again and again without looking it up.
+struct OutputHandle {
+  const Component* component = nullptr;
+  const OutputInfo* info = nullptr;
+  explicit operator bool() const { return info != nullptr; }
+  OutputValue read() const { return info->read(*component); }
+};
+
+/// An input found by name.
+class InputHandle {
+ public:
+  InputHandle() = default;
+  InputHandle(Component& component, const InputInfo& info) : component_(&component), info_(&info) {}
+  explicit operator bool() const { return info_ != nullptr; }
+  const InputInfo& info() const { return *info_; }
+  /// What is wrong with the value (out of range, not finite, a number for a vector), in a sentence,
+  /// or empty: it is set.
+  std::string set(const InputValue& value) const;
+
+ private:
+  Component* component_ = nullptr;
+  const InputInfo* info_ = nullptr;
 };
 
 template <class T>
@@ -184,6 +221,20 @@ class Describe {
     };
     info_.links.push_back(std::move(l));
     return info_.links.back();
+  }
+
+  /// `write` takes a T& and a Real or a Vec3, whose numbers are in `range`.
+  template <class F>
+  void input(std::string name, std::string unit, Range range, std::string doc, F write) {
+    InputInfo i{std::move(name), std::move(unit), std::move(doc), range, false, {}};
+    i.is_vector = !std::is_invocable_v<F, T&, Real>;
+    i.write = [write](Component& c, const InputValue& value) {
+      if constexpr (std::is_invocable_v<F, T&, Real>)
+        write(dynamic_cast<T&>(c), std::get<Real>(value));
+      else
+        write(dynamic_cast<T&>(c), std::get<Vec3>(value));
+    };
+    info_.inputs.push_back(std::move(i));
   }
 
   /// `read` takes a const T& and returns Real, Vec3 or std::string.

@@ -52,6 +52,10 @@ class Scene {
   std::vector<Component*> components() const;
   /// By path ("/skin/tissue"), or nullptr.
   Component* find(std::string_view path) const;
+  /// An output or input by the path of its component, a dot and its name ("/holder.force"). Empty,
+  /// and a sentence in `error` that names what is there, if there is none.
+  OutputHandle output(std::string_view name, std::string& error) const;
+  InputHandle input(std::string_view name, std::string& error) const;
   /// The components that `owner` links to, in the order of its links.
   const std::vector<Component*>& links_of(const Component& owner) const;
 

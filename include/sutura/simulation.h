@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,7 +31,7 @@ enum class Stage {
 };
 inline constexpr std::array<std::string_view, 10> stage_names{
     "inputs", "linearise", "compliance", "solve",  "correct",
-    "detect", "build",       "measure",    "commit", "record"};
+    "detect", "build",     "measure",    "commit", "record"};
 
 /// How well one body was balanced at the end of a step; the worst of its parts, if it was divided.
 struct BodyReport {
@@ -41,11 +44,11 @@ struct StepReport {
   Real time = 0;  ///< s, at the end of the step
   Index blocks = 0;
   Index rows = 0;
-  SolveReport solve;    ///< of the last pass; events are those of the whole step
-  Index passes = 0;     ///< of all parts of the step, failed tries included
-  Index parts = 1;      ///< into how many the step was divided at its finest
-  bool solved = true;   ///< every part met the tolerances
-  Real violation = 0;   ///< of the end state, largest distance of a block from its law (m)
+  SolveReport solve;   ///< of the last pass; events are those of the whole step
+  Index passes = 0;    ///< of all parts of the step, failed tries included
+  Index parts = 1;     ///< into how many the step was divided at its finest
+  bool solved = true;  ///< every part met the tolerances
+  Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
   std::vector<BodyReport> bodies;            ///< in the order of Simulation::bodies
   std::vector<ComplianceReport> compliance;  ///< likewise
   bool finite = true;
@@ -56,7 +59,8 @@ struct StepReport {
   Imbalance worst_imbalance() const;  ///< relative, over the bodies
 };
 
-/// Moves something by the clock alone: tracks, graspers. Stage inputs.
+/// Moves something by the clock, or as a host has told it: tracks, graspers. Stage inputs. One that
+/// links to another is asked after it.
 class Driver {
  public:
   static constexpr const char* interface_name = "Driver";
@@ -82,6 +86,9 @@ class Recorder {
   virtual std::string start(const Simulation& simulation) = 0;
   virtual std::string record(const Simulation& simulation, const StepReport& report) = 0;
   virtual std::string finish(const Simulation& simulation) = 0;
+  /// Instead of start, after the state has been restored: cuts the files back to what they were at
+  /// that step and goes on. One that keeps no state begins its files anew.
+  virtual std::string resume(const Simulation& simulation) { return start(simulation); }
 };
 
 class Simulation {
@@ -99,6 +106,19 @@ class Simulation {
   /// the files of recorders and records the initial state; closes them. Error sentence or empty.
   std::string start_recording();
   std::string finish_recording();
+  /// Instead of start_recording, after `restore`: the files are cut back to that step and go on.
+  std::string resume_recording();
+
+  /// Everything that the next steps depend on: a simulation of the same scene that restores it
+  /// takes the same steps, to the bit (docs/concepts/state.md). Between steps only.
+  std::vector<std::byte> save();
+  /// What keeps the state from being restored (damage, another scene, another build), in a
+  /// sentence, or empty. All of that is found before anything is changed.
+  std::string restore(std::span<const std::byte> state);
+  /// The same to and from a file. Killed while it writes, it leaves the file that was there before.
+  std::string save(const std::filesystem::path& file);
+  std::string restore(const std::filesystem::path& file);
+
   /// The first thing that went wrong with a recorder; nothing is recorded after it.
   const std::string& record_error() const { return record_error_; }
 
@@ -117,6 +137,7 @@ class Simulation {
 
  private:
   Simulation();
+  void archive_run(Archive& archive);
   bool settle(Diagnostics& diagnostics);
   using Timer = StageTimer<stage_names.size()>;
   void begin_report();
@@ -143,9 +164,10 @@ class Simulation {
   std::unique_ptr<OutputFolder> output_;    ///< from start_recording to finish_recording
   std::unique_ptr<LawCheck> law_check_;
   std::vector<const Body*> const_bodies_;
-  std::vector<VecX> body_force_;       ///< of the constraints, per body (N, N m)
+  std::vector<VecX> body_force_;      ///< of the constraints, per body (N, N m)
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
   Real violation_ = 0;                ///< likewise
+  std::string identity_;              ///< of scene, files and build: what a state must agree with
   VecX lambda_before_;
   StepReport report_;
   bool recording_ = false;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "band_law.h"
+#include "sutura/archive.h"
 #include "sutura/constraints.h"
 #include "sutura/describe.h"
 #include "sutura/plugin.h"
@@ -51,6 +52,11 @@ class Band : public Component, public ConstraintSource {
   void commit(const StepContext&, const SolvedBlocks& solved) override {
     tension_ = block_.valid() ? solved.lambda(block_)[0] : 0;
     mode_ = block_.valid() ? solved.mode(block_) : BandLaw::slack;
+  }
+
+  void archive(Archive& a) override {
+    a("tension", tension_);
+    a("mode", mode_);
   }
 
  private:

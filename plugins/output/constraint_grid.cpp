@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sutura/archive.h"
+
 namespace sutura::output {
 
 int LawNumbers::number(const std::string& law) {
@@ -11,6 +13,10 @@ int LawNumbers::number(const std::string& law) {
     return static_cast<int>(names_.size()) - 1;
   }
   return static_cast<int>(found - names_.begin());
+}
+
+void LawNumbers::archive(Archive& a) {
+  a.list("laws", names_, [](Archive& each, std::string& name) { each("law", name); });
 }
 
 std::vector<std::pair<std::string, int>> LawNumbers::legend() const {

@@ -16,6 +16,8 @@ class LawNumbers {
   /// ("law 0 is path", 0), ...
   std::vector<std::pair<std::string, int>> legend() const;
 
+  void archive(Archive& archive);
+
  private:
   std::vector<std::string> names_;
 };

@@ -1,6 +1,7 @@
 #include "constraint_table.h"
 
 #include "csv_probe.h"
+#include "sutura/archive.h"
 #include "sutura/units.h"
 
 namespace sutura::output {
@@ -27,12 +28,32 @@ void ConstraintTable::initialise(Setup& setup) {
   if (const auto place = setup.output(*this, "file", file_)) path_of_file_ = *place;
 }
 
-std::string ConstraintTable::start(const Simulation& simulation) {
+void ConstraintTable::archive(Archive& a) {
+  a("end", end_);
+}
+
+void ConstraintTable::find_sources(const Simulation& simulation) {
   sources_.clear();
   for (const Component* c : simulation.scene().components())
     sources_.push_back(csv_field(c->path()));
+}
+
+std::string ConstraintTable::append(std::string_view text) {
+  std::string error = out_.append(text);
+  end_ = out_.end();
+  return error;
+}
+
+std::string ConstraintTable::resume(const Simulation& simulation) {
+  if (end_ == 0) return start(simulation);
+  find_sources(simulation);
+  return out_.resume(path_of_file_, end_);
+}
+
+std::string ConstraintTable::start(const Simulation& simulation) {
+  find_sources(simulation);
   if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
-  return out_.append(
+  return append(
       "step,time [s],source,id,law,state,at.x [m],at.y [m],at.z [m],force.x [N],force.y "
       "[N],force.z [N],violation [m]\n");
 }
@@ -52,7 +73,7 @@ std::string ConstraintTable::record(const Simulation& simulation, const StepRepo
       rows_ += "," + format_real(value);
     rows_ += "\n";
   }
-  return out_.append(rows_);
+  return append(rows_);
 }
 
 }  // namespace sutura::output

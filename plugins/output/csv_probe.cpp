@@ -2,17 +2,11 @@
 
 #include <sstream>
 
-#include "sutura/diagnostics.h"
+#include "sutura/archive.h"
 #include "sutura/units.h"
 
 namespace sutura::output {
 namespace {
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& n : names) out += (out.empty() ? "" : ", ") + n;
-  return out;
-}
 
 /// The names of the columns of one value, comma first.
 struct HeaderOf {
@@ -67,64 +61,53 @@ void CsvProbe::initialise(Setup& setup) {
   columns_.clear();
   std::istringstream names(columns_text_);
   for (std::string name; names >> name;) {
-    Column column{.name = name.substr(name.front() == '/' ? 1 : 0)};
-    if (const std::string error = resolve(name, *setup.scene, column); error.empty())
-      columns_.push_back(column);
+    std::string error;
+    if (const OutputHandle output = setup.scene->output(name, error))
+      columns_.push_back({name.substr(name.front() == '/' ? 1 : 0), output});
     else
-      setup.error(*this, error);
+      setup.error(*this, "columns: " + error);
   }
   if (const auto place = setup.output(*this, "file", file_)) path_of_file_ = *place;
 }
 
-std::string CsvProbe::resolve(const std::string& name, const Scene& scene, Column& column) const {
-  const auto dot = name.rfind('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == name.size())
-    return "columns: '" + name + "'; expected a component and its output, as in /holder.force";
-  const std::string owner = name.substr(0, dot);
-  const std::string output = name.substr(dot + 1);
-  column.component = scene.find(owner);
-  if (column.component == nullptr) {
-    std::vector<std::string> paths;
-    for (const Component* c : scene.components()) paths.push_back(c->path());
-    return "columns: no component '" + owner + "' for '" + name + "'" + did_you_mean(owner, paths);
-  }
-  std::vector<std::string> names;
-  for (const OutputInfo& o : column.component->info().outputs) {
-    if (o.name == output) {
-      column.output = &o;
-      return {};
-    }
-    names.push_back(o.name);
-  }
-  return "columns: " + column.component->info().name + " '" + owner + "' has no output '" + output +
-         "'" +
-         (names.empty() ? "; it has none"
-                        : did_you_mean(output, names) + "; it has " + list_of(names));
+void CsvProbe::archive(Archive& a) {
+  a("end", end_);
 }
 
 std::string CsvProbe::start(const Simulation&) {
   std::string header = "step,time [s]";
   for (const Column& c : columns_) {
-    const std::string& unit = c.output->unit;
+    const std::string& unit = c.output.info->unit;
     const HeaderOf header_of{c.name, unit.empty() || unit == "1" ? "" : " [" + unit + "]"};
-    header += std::visit(header_of, c.output->read(*c.component));
+    header += std::visit(header_of, c.output.read());
   }
   if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
   if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
-  return out_.append(header + "\n");
+  return append(header + "\n");
+}
+
+std::string CsvProbe::resume(const Simulation& simulation) {
+  return end_ == 0 ? start(simulation) : out_.resume(path_of_file_, end_);
+}
+
+std::string CsvProbe::append(std::string_view text) {
+  std::string error = out_.append(text);
+  end_ = out_.end();
+  return error;
 }
 
 std::string CsvProbe::record(const Simulation&, const StepReport& report) {
   if (report.step % every_ != 0) return {};
   row_ = std::to_string(report.step) + "," + format_real(report.time);
-  for (const Column& c : columns_) row_ += std::visit(ValueOf{}, c.output->read(*c.component));
+  for (const Column& c : columns_) row_ += std::visit(ValueOf{}, c.output.read());
   if (report_) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
             format_real(report.solve.residual) + "," + format_real(report.violation) + "," +
             std::to_string(report.passes) + "," + std::to_string(report.parts) + "," +
             format_real(report.worst_imbalance().relative) + "," + (report.solved ? "1" : "0");
   }
-  return out_.append(row_ + "\n");
+  row_ += '\n';
+  return append(row_);
 }
 
 std::string CsvProbe::finish(const Simulation&) {

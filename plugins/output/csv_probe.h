@@ -1,6 +1,7 @@
 // CsvProbe: outputs of components over time, one row per step.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,18 +17,18 @@ class CsvProbe : public Component, public Recorder {
   static void describe(Describe<CsvProbe>& d);
 
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   std::string start(const Simulation& simulation) override;
   std::string record(const Simulation& simulation, const StepReport& report) override;
+  std::string resume(const Simulation& simulation) override;
   std::string finish(const Simulation& simulation) override;
 
  private:
   struct Column {
-    std::string name = {};  ///< in the header
-    const Component* component = nullptr;
-    const OutputInfo* output = nullptr;
+    std::string name;  ///< in the header
+    OutputHandle output;
   };
-  /// An error sentence, or empty.
-  std::string resolve(const std::string& name, const Scene& scene, Column& column) const;
+  std::string append(std::string_view text);
 
   std::string columns_text_;
   std::string file_ = "probe.csv";
@@ -37,6 +38,7 @@ class CsvProbe : public Component, public Recorder {
   std::filesystem::path path_of_file_;
   std::vector<Column> columns_;
   OutputFile out_;
+  std::int64_t end_ = 0;  ///< bytes of the file so far
   std::string row_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "sutura/archive.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
 
@@ -17,6 +18,16 @@ class EnergyProbe : public Component, public Recorder {
   std::string start(const Simulation&) override {
     at_start_ = total();
     return {};
+  }
+  std::string resume(const Simulation& simulation) override {
+    return at_start_ ? std::string() : start(simulation);
+  }
+  void archive(Archive& a) override {
+    bool known = at_start_.has_value();
+    Real energy = at_start_.value_or(0);
+    a("known", known);
+    a("at_start", energy);
+    if (a.restoring()) at_start_ = known ? std::optional<Real>(energy) : std::nullopt;
   }
   std::string record(const Simulation&, const StepReport&) override { return {}; }
   std::string finish(const Simulation&) override { return {}; }

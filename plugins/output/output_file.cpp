@@ -18,9 +18,26 @@ std::string OutputFile::open(const std::filesystem::path& file) {
   return file_ ? std::string() : failure();
 }
 
+std::string OutputFile::resume(const std::filesystem::path& file, std::int64_t end) {
+  path_ = file;
+  end_ = end;
+  file_.reset();
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) return "cannot go on with " + path_.string() + ": " + error.message();
+  if (size < static_cast<std::uintmax_t>(end))
+    return "cannot go on with " + path_.string() + ": it has " + std::to_string(size) +
+           " bytes, and had " + std::to_string(end) + " when the state was saved";
+  std::filesystem::resize_file(file, static_cast<std::uintmax_t>(end), error);
+  if (error) return "cannot cut " + path_.string() + ": " + error.message();
+  errno = 0;
+  file_.reset(std::fopen(file.c_str(), "r+b"));
+  return file_ ? std::string() : failure();
+}
+
 std::string OutputFile::append(std::string_view text) {
   if (std::string error = write(text); !error.empty()) return error;
-  end_ += static_cast<long>(text.size());
+  end_ += static_cast<std::int64_t>(text.size());
   return {};
 }
 

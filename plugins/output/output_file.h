@@ -1,6 +1,7 @@
 // A file that is complete up to the last write even if the process dies: every write is flushed.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,11 +15,14 @@ class OutputFile {
   /// Makes the folder if needed and empties the file. All functions return an error sentence that
   /// names the file, or an empty string.
   std::string open(const std::filesystem::path& file);
+  /// Opens the file as it is, cut back to its first `end` bytes.
+  std::string resume(const std::filesystem::path& file, std::int64_t end);
   std::string append(std::string_view text);
   /// Writes `text` where the last `append` ended; the next append or tail overwrites it.
   std::string tail(std::string_view text);
   std::string close();
-  bool is_open() const { return file_ != nullptr; }
+  /// Bytes of the file, the tail left out.
+  std::int64_t end() const { return end_; }
 
  private:
   struct Close {
@@ -29,7 +33,7 @@ class OutputFile {
 
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
-  long end_ = 0;  ///< where the last append ended
+  std::int64_t end_ = 0;  ///< where the last append ended
 };
 
 /// The whole file at once.

@@ -206,6 +206,11 @@ std::string PvdFile::open(const std::filesystem::path& file) {
   return error.empty() ? file_.tail(pvd_end) : error;
 }
 
+std::string PvdFile::resume(const std::filesystem::path& file, std::int64_t end) {
+  std::string error = file_.resume(file, end);
+  return error.empty() ? file_.tail(pvd_end) : error;
+}
+
 std::string PvdFile::add(Real time, const std::filesystem::path& dataset) {
   std::string error =
       file_.append("<DataSet timestep=\"" + format_real(time) + "\" part=\"0\" file=\"" +

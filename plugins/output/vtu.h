@@ -49,6 +49,9 @@ std::string check(const VtuGrid& grid);
 class PvdFile {
  public:
   std::string open(const std::filesystem::path& file);
+  /// Goes on after the first `end` bytes.
+  std::string resume(const std::filesystem::path& file, std::int64_t end);
+  std::int64_t end() const { return file_.end(); }
   /// `dataset` is relative to the folder of the .pvd.
   std::string add(Real time, const std::filesystem::path& dataset);
   std::string close() { return file_.close(); }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sutura/archive.h"
+
 namespace sutura::output {
 namespace {
 
@@ -52,18 +54,18 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
 
 void VtuRecorder::initialise(Setup& setup) {
   directory_ = setup.output_directory;
-  bodies_.clear();
+  series_.clear();
   std::vector<std::string> taken{"constraints"};
   for (const Component* c : setup.scene->components()) {
     if (dynamic_cast<const Body*>(c) == nullptr) continue;
     taken.push_back(file_name_of(c->path(), taken));
-    bodies_.push_back({taken.back(), {}});
+    series_.push_back({taken.back(), {}});
   }
-  constraints_.name = "constraints";
-  for (const std::string& name : taken) {
+  series_.push_back({"constraints", {}});
+  for (const Series& s : series_) {
     // One complaint is enough where two recorders write the same.
-    if (!setup.output(*this, "files", name + ".pvd") ||
-        !setup.output(*this, "files", name, "*.vtu"))
+    if (!setup.output(*this, "files", s.name + ".pvd") ||
+        !setup.output(*this, "files", s.name, "*.vtu"))
       return;
   }
 }
@@ -71,10 +73,30 @@ void VtuRecorder::initialise(Setup& setup) {
 std::string VtuRecorder::start(const Simulation&) {
   laws_ = {};
   next_time_ = 0;
-  for (Series& s : bodies_) {
+  ends_.assign(series_.size(), 0);
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    Series& s = series_[i];
     if (std::string e = s.pvd.open(directory_ / (s.name + ".pvd")); !e.empty()) return e;
+    ends_[i] = s.pvd.end();
   }
-  return constraints_.pvd.open(directory_ / (constraints_.name + ".pvd"));
+  return {};
+}
+
+void VtuRecorder::archive(Archive& a) {
+  a("ends", ends_);
+  a("next_time", next_time_);
+  laws_.archive(a);
+}
+
+std::string VtuRecorder::resume(const Simulation& simulation) {
+  if (ends_.empty()) return start(simulation);
+  if (ends_.size() != series_.size()) return path() + ": the state names other files";
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    Series& s = series_[i];
+    if (std::string e = s.pvd.resume(directory_ / (s.name + ".pvd"), ends_[i]); !e.empty())
+      return e;
+  }
+  return {};
 }
 
 bool VtuRecorder::due(const StepReport& report) {
@@ -87,11 +109,14 @@ bool VtuRecorder::due(const StepReport& report) {
 
 std::string VtuRecorder::record(const Simulation& simulation, const StepReport& report) {
   if (!due(report)) return {};
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const VtuGrid grid = grid_of(simulation.bodies()[i].body->geometry());
-    if (std::string e = write(bodies_[i], grid, report); !e.empty()) return e;
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    const bool is_body = i < simulation.bodies().size();
+    const VtuGrid grid = is_body ? grid_of(simulation.bodies()[i].body->geometry())
+                                 : constraint_grid(simulation.problem(), laws_);
+    if (std::string e = write(series_[i], grid, report); !e.empty()) return e;
+    ends_[i] = series_[i].pvd.end();
   }
-  return write(constraints_, constraint_grid(simulation.problem(), laws_), report);
+  return {};
 }
 
 std::string VtuRecorder::write(Series& series, const VtuGrid& grid, const StepReport& report) {
@@ -103,8 +128,8 @@ std::string VtuRecorder::write(Series& series, const VtuGrid& grid, const StepRe
 }
 
 std::string VtuRecorder::finish(const Simulation&) {
-  std::string error = constraints_.pvd.close();
-  for (Series& s : bodies_) {
+  std::string error;
+  for (Series& s : series_) {
     if (std::string e = s.pvd.close(); error.empty()) error = std::move(e);
   }
   return error;

@@ -17,8 +17,10 @@ class VtuRecorder : public Component, public Recorder {
   static void describe(Describe<VtuRecorder>& d);
 
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   std::string start(const Simulation& simulation) override;
   std::string record(const Simulation& simulation, const StepReport& report) override;
+  std::string resume(const Simulation& simulation) override;
   std::string finish(const Simulation& simulation) override;
 
  private:
@@ -34,8 +36,8 @@ class VtuRecorder : public Component, public Recorder {
   Real interval_ = 0;
 
   std::filesystem::path directory_;
-  std::vector<Series> bodies_;  ///< in the order of Simulation::bodies
-  Series constraints_;
+  std::vector<Series> series_;      ///< in the order of Simulation::bodies, then the constraints
+  std::vector<std::int64_t> ends_;  ///< bytes of their .pvd so far
   LawNumbers laws_;
   Real next_time_ = 0;
 };

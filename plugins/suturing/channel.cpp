@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sutura/archive.h"
+
 namespace sutura {
 
 Channel::Channel(const CurveBody& thread, const SolidBody& tissue, Real spacing)
@@ -197,8 +199,9 @@ void Channel::record() {
   const Real depth = tip_depth();
   if (depth <= end_depth_) return;
   if (!tissue_.locate(tip(), Configuration::current)) {
-    // Out through the surface without a puncture: nothing is left to cut once it is well clear of it. Nearer, it
-    // may be tenting the surface, of which a puncture holds back a patch and not every facet.
+    // Out through the surface without a puncture: nothing is left to cut once it is well clear of
+    // it. Nearer, it may be tenting the surface, of which a puncture holds back a patch and not
+    // every facet.
     const auto foot = tissue_.closest_surface(tip(), spacing_, Configuration::current);
     if (!foot) leave(end_);
     return;
@@ -210,6 +213,24 @@ void Channel::record() {
     const Real s = depth - next;
     push(embed(thread_.point(s, Configuration::current)), next, s, PathSample::Kind::inner);
   }
+}
+
+void Channel::archive(Archive& a) {
+  a.list("samples", samples_, [](Archive& each, PathSample& s) {
+    each("id", s.id);
+    each("at", s.at);
+    each("depth", s.depth);
+    each("abscissa", s.abscissa);
+    each("slip", s.slip);
+    each("lateral_force", s.lateral_force);
+    each("friction_mode", s.friction_mode);
+    each("kind", s.kind);
+  });
+  a("passed", passed_);
+  a("end_depth", end_depth_);
+  a("end", end_);
+  a("next_id", next_id_);
+  if (passed_ > samples_.size()) a.fail("more samples are on the thread than there are");
 }
 
 }  // namespace sutura

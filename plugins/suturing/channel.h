@@ -9,6 +9,8 @@
 
 namespace sutura {
 
+class Archive;
+
 /// A point of the channel. `depth` is the length of channel between the mouth of its bite and it.
 struct PathSample {
   std::uint64_t id = 0;  ///< never reused
@@ -67,6 +69,7 @@ class Channel {
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end
   /// of the thread, takes up remembered ones, and records the channel as far as the tip has come.
   void update();
+  void archive(Archive& archive);
 
  private:
   /// Index of the sample with this id, or the number of samples.

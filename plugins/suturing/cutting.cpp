@@ -4,6 +4,7 @@
 
 #include "cutting_law.h"
 #include "region_values.h"
+#include "sutura/archive.h"
 
 namespace sutura {
 
@@ -35,6 +36,10 @@ void Cutting::initialise(Setup& setup) {
 
 Real Cutting::threshold(const EmbeddedPoint& at) const {
   return region_value(path_->tissue().region(at), regions_, region_thresholds_, threshold_);
+}
+
+void Cutting::archive(Archive& a) {
+  a("force", force_);
 }
 
 void Cutting::build(const StepContext&, ConstraintBuilder& builder) {

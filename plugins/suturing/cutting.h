@@ -12,6 +12,7 @@ class Cutting : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "Cutting";
   static void describe(Describe<Cutting>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 

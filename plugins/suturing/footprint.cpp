@@ -4,15 +4,21 @@
 #include <cmath>
 #include <numbers>
 
+#include "sutura/archive.h"
+
 namespace sutura {
 namespace {
 
 constexpr int most_points = 16;
-constexpr Real bearable = 0.3;     // mean pressure on the disc, in units of E
-constexpr Real widest = 10;        // disc, in units of the radius of the shaft
-constexpr Real deepest = 3;        // dent of the near field, in units of the disc: linear theory says no more
+constexpr Real bearable = 0.3;  // mean pressure on the disc, in units of E
+constexpr Real widest = 10;     // disc, in units of the radius of the shaft
+constexpr Real deepest = 3;     // dent of the near field, of the disc: linear theory says no more
 
 }  // namespace
+
+void Footprint::archive(Archive& a) {
+  a("compliance", compliance_);
+}
 
 void Footprint::find(const SurfacePoint& surface) {
   points_.assign(1, surface);

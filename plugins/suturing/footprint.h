@@ -1,10 +1,10 @@
 // The footprint of a needle tip on a tissue: the patch of surface that its force is spread over.
 //
-// A point load has no limit under refinement: the dent grows without bound as the elements shrink, and turns the one
-// under the tip inside out. So the mesh carries the force on a disc of radius A, wide enough that the mean
-// pressure stays a fraction of E up to the puncture: beyond that no linear law holds, and what happens closer to the
-// tip is left to the threshold. It dents a half space by 16 (1 - nu^2) F / (3 pi^2 A E) (mean dent under
-// uniform pressure), whatever the mesh.
+// A point load has no limit under refinement: the dent grows without bound as the elements shrink,
+// and turns the one under the tip inside out. So the mesh carries the force on a disc of radius A,
+// wide enough that the mean pressure stays a fraction of E up to the puncture: beyond that no
+// linear law holds, and what happens closer to the tip is left to the threshold. It dents a half
+// space by 16 (1 - nu^2) F / (3 pi^2 A E) (mean dent under uniform pressure), whatever the mesh.
 // Where the scene gives the tip a radius a of its own, the dent is that of a punch of this radius,
 // (1 - nu^2) F / (2 a E) (Boussinesq): what the disc does not give is a compliance of the contact,
 //   c = (1 - nu^2)/E (1/(2 a) - 16/(3 pi^2 A)).
@@ -18,11 +18,15 @@ namespace sutura {
 
 class Footprint {
  public:
-  /// On `surface`, at the start of a step, for a force of at most `force` (N). tip_radius 0: that of the disc.
+  /// On `surface`, at the start of a step, for a force of at most `force` (N). tip_radius 0: that
+  /// of the disc.
   void find(const SolidBody& tissue, const SurfacePoint& surface, Real tip_radius,
             Real shaft_radius, Real force);
   /// A single point, without compliance.
   void find(const SurfacePoint& surface);
+
+  /// What is left of a step: its compliance. The points are found anew in the next one.
+  void archive(Archive& archive);
 
   Real compliance() const { return compliance_; }  ///< c, m/N
   /// Where the point under the tip is now: carried along by the mean motion of the footprint.

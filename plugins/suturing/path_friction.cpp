@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "path_friction_law.h"
+#include "sutura/archive.h"
 
 namespace sutura {
 namespace {
@@ -89,6 +90,12 @@ void PathFriction::initialise(Setup& setup) {
         "pressure_from=\"tissue\", but this tissue does not say how stiff it is; give a pressure");
 }
 
+void PathFriction::archive(Archive& a) {
+  a("force", force_);
+  a("limit", limit_);
+  a("sliding", sliding_);
+}
+
 Real PathFriction::thread_coefficient() const {
   switch (thread_material_) {
     case ThreadMaterial::monofilament:
@@ -132,7 +139,7 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
     limit_ += params.kinetic;
     const BlockId block = builder.add<PathFrictionLaw>(
         make_key(source_id_, c.id), params, BlockVector<1>(c.gap.x()), sample.friction_mode);
-    const Eigen::Matrix<Real, Eigen::Dynamic, 3> along = c.axes.topRows<1>();
+    const Directions along = c.axes.topRows<1>();
     builder.couple(block, path_->thread(), along, c.thread, c.position);
     builder.couple(block, path_->tissue(), -along, c.tissue, c.position);
     blocks_.push_back({block, c.id, params.stick_slip});

@@ -14,6 +14,7 @@ class PathFriction : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "PathFriction";
   static void describe(Describe<PathFriction>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 

@@ -4,6 +4,7 @@
 
 #include "puncture_law.h"
 #include "region_values.h"
+#include "sutura/archive.h"
 
 namespace sutura {
 
@@ -37,8 +38,9 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
   d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
-              "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius E), whatever "
-              "the mesh. 0: as wide as the tissue needs to bear the threshold at a mean pressure of 0.3 E.");
+              "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
+              "E), whatever the mesh. 0: as wide as the tissue needs to bear the threshold at a "
+              "mean pressure of 0.3 E.");
   d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1e3),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
@@ -68,12 +70,26 @@ void Puncture::describe(Describe<Puncture>& d) {
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
   regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
+}
+
+void Puncture::ready(Setup& setup) {
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot = path_->tissue().closest_surface(tip, reach_, Configuration::current);
   const bool touching = foot && foot->distance > -1e-3 * reach_;
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
+}
+
+void Puncture::archive(Archive& a) {
+  a("front", front_);
+  a("region", region_);
+  a("threshold_here", threshold_here_);
+  footprint_.archive(a);
+  a("count", count_);
+  a("overruns", overruns_);
+  a("force", force_);
+  a("peak_force", peak_force_);
 }
 
 /// What the tip faces is found where the step begins and kept; passes only follow it.
@@ -94,8 +110,11 @@ void Puncture::detect(const StepContext& context) {
   path_->set_tip_blocked(blocked_);
   if (front_ == Front::none || front_ == Front::overrun) return;
   if (context.pass == 0) {
-    if (front_ == Front::layer) footprint_.find(touched_);
-    else footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0), threshold_of_front());
+    if (front_ == Front::layer)
+      footprint_.find(touched_);
+    else
+      footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
+                      threshold_of_front());
   }
   follow_front();
 }
@@ -122,7 +141,8 @@ Puncture::Front Puncture::find_entry() {
   const Real motion = (thread.point(0, Configuration::current) - tip).norm();
   // A tip that presses stands below the surface of the mesh by the dent of its near field.
   const Real dent = footprint_.compliance() * threshold_here_;
-  const auto hit = path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start);
+  const auto hit =
+      path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
   const bool deep = !hit || hit->distance < -reach_ - dent;
   if (deep && path_->tissue().locate(tip, Configuration::start)) {
@@ -144,7 +164,8 @@ Puncture::Front Puncture::find_exit() {
   const Vec3 forward = -thread.tangent(0, Configuration::start);
   const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
   auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start);
-  // A tip that tents the surface holds a patch of it back, and may stand before or behind a single facet.
+  // A tip that tents the surface holds a patch of it back, and may stand before or behind a single
+  // facet.
   if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
@@ -212,15 +233,16 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.drag = front_ != Front::exit && drag_ ? drag_->needle_resistance(touched_.at) : 0;
   params.hold = front_ != Front::exit;
   params.friction = front_ == Front::layer ? 0 : friction_;
-  // From inside there is no room for a tip beyond the surface: the near field of an exit is left out.
+  // From inside there is no room for a tip beyond the surface: the near field of an exit is left
+  // out.
   params.compliance = front_ == Front::entry ? footprint_.compliance() : 0;
 
   const Vec3 gap = tip - touched_.position;
   // A name of its own for every front: the next one does not begin in the mode of the last.
   const auto front = static_cast<std::uint64_t>(8 * count_) + static_cast<std::uint64_t>(front_);
-  block_ = builder.add<PunctureLaw>(make_key(source_id_, front), params, BlockVector<3>(gap), PunctureLaw::pressing,
-                                    {.force = params.puncture_force});
-  const Eigen::Matrix<Real, Eigen::Dynamic, 3> world = Mat3::Identity();
+  block_ = builder.add<PunctureLaw>(make_key(source_id_, front), params, BlockVector<3>(gap),
+                                    PunctureLaw::pressing, {.force = params.puncture_force});
+  const Directions world = Mat3::Identity();
   PointJacobian J;
   thread.jacobian(thread.embed(0), J);
   builder.couple(block_, thread, world, J, tip);

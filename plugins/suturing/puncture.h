@@ -16,6 +16,8 @@ class Puncture : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "Puncture";
   static void describe(Describe<Puncture>& d);
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
@@ -49,7 +51,7 @@ class Puncture : public Component, public ConstraintSource {
   Index source_id_ = 0;
 
   Front front_ = Front::none;
-  bool blocked_ = false;   ///< the front holds the tip from the inside
+  bool blocked_ = false;  ///< the front holds the tip from the inside
   Footprint footprint_;
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
   int region_ = 0;        ///< of the layer the tip has got into

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/units.h"
 
@@ -20,7 +21,8 @@ void SuturePath::describe(Describe<SuturePath>& d) {
   d.theory(
       "At each sample P_j of the channel the thread has an abscissa s_j, found in order along the "
       "path at the present guess of the\n"
-      "end of the step. Two rows hold delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N normal "
+      "end of the step. Two rows hold delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N "
+      "normal "
       "to the thread there (paper, section 4.4).");
   d.link("thread", &SuturePath::thread_, "Needle and thread.");
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
@@ -67,14 +69,19 @@ void SuturePath::initialise(Setup& setup) {
   blocks_.reserve(256);
 }
 
-Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before,
-                           Real low) const {
+void SuturePath::archive(Archive& a) {
+  channel_->archive(a);
+  a("lateral_force", lateral_force_);
+  a("lateral_gap", lateral_gap_);
+}
+
+Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low) const {
   constexpr Configuration now = Configuration::current;
   Crossing c;
   c.id = id;
   c.position = tissue_->position(at, now);
-  c.abscissa = thread_->closest_abscissa(c.position, std::max(before, low), low,
-                                         thread_->length(), now);
+  c.abscissa =
+      thread_->closest_abscissa(c.position, std::max(before, low), low, thread_->length(), now);
   const Vec3 tangent = thread_->tangent(c.abscissa, now);
   c.axes.row(0) = tangent;
   c.axes.row(1) = tangent.unitOrthogonal();
@@ -91,8 +98,8 @@ void SuturePath::detect(const StepContext&) {
   const Channel& channel = *channel_;
   sample_crossings_ = channel.passed();
   crossings_.resize(sample_crossings_);
-  // From the tip backwards: abscissae grow in the order in which the channel was entered, so each search is
-  // bounded by the one before it and cannot jump to another loop of the thread.
+  // From the tip backwards: abscissae grow in the order in which the channel was entered, so each
+  // search is bounded by the one before it and cannot jump to another loop of the thread.
   Real low = 0;
   for (std::size_t i = channel.passed(); i-- > 0;) {
     const PathSample& s = channel.samples()[i];
@@ -101,8 +108,8 @@ void SuturePath::detect(const StepContext&) {
     crossings_[i].share = channel.share_of(i);
     low = crossings_[i].abscissa;
   }
-  // The end of the channel is where the tip was; the section that is there now has to follow it, or a curved
-  // needle would be led along its tangent.
+  // The end of the channel is where the tip was; the section that is there now has to follow it, or
+  // a curved needle would be led along its tangent.
   if (channel.tip_at_end()) crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0));
 }
 
@@ -120,7 +127,7 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     const Real compliance = wall_compliance_ / std::max(length, 0.1 * spacing_);
     const BlockId block = builder.add<Bilateral<2>>(
         make_key(source_id_, c.id), {.compliance = compliance}, BlockVector<2>(c.gap.tail<2>()));
-    const Eigen::Matrix<Real, Eigen::Dynamic, 3> across = c.axes.bottomRows<2>();
+    const Directions across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
     blocks_.push_back({block, i});

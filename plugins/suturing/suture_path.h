@@ -15,14 +15,14 @@ namespace sutura {
 /// Where the thread crosses one sample of the channel in this step. Made in `detect`, used by every
 /// source on the path.
 struct Crossing {
-  std::size_t sample = 0;     ///< index into Channel::samples
-  std::uint64_t id = 0;       ///< of the sample; the end of the channel has an id of its own
-  Real abscissa = 0;          ///< of the section at the sample (m)
-  Channel::Share share;       ///< of the thread
+  std::size_t sample = 0;  ///< index into Channel::samples
+  std::uint64_t id = 0;    ///< of the sample; the end of the channel has an id of its own
+  Real abscissa = 0;       ///< of the section at the sample (m)
+  Channel::Share share;    ///< of the thread
   Vec3 position = Vec3::Zero();
   Mat3 axes = Mat3::Identity();  ///< rows: tangent (towards growing abscissa), two normals
-  /// Thread point minus tissue point along `axes` (m). The axial one is the slip of the step: it is counted
-  /// from the section that was at the sample when the step began.
+  /// Thread point minus tissue point along `axes` (m). The axial one is the slip of the step: it is
+  /// counted from the section that was at the sample when the step began.
   Vec3 gap = Vec3::Zero();
   PointJacobian thread;
   PointJacobian tissue;
@@ -33,6 +33,7 @@ class SuturePath : public Component, public ConstraintSource {
   static constexpr const char* interface_name = "SuturePath";
   static void describe(Describe<SuturePath>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;

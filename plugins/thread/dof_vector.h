@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sutura/types.h"
+#include "sutura/archive.h"
 
 namespace sutura::thread {
 
@@ -39,6 +39,10 @@ class DofVector : public Eigen::Map<VecX> {
     return *this;
   }
 
+  void archive(Archive& a, std::string_view name) {
+    a(name, store_);
+    seat();
+  }
   void reserve(Index size) {
     store_.reserve(static_cast<std::size_t>(size));
     seat();

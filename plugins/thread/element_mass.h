@@ -16,10 +16,10 @@ struct MassTimes {
   MassTimes(const ElementMass& m, const ElementState& s, const NodeRates& a, const NodeRates& b) {
     xa = m.same * a.v + m.other * b.v + m.couple_same * a.tangent + m.couple_other * b.tangent;
     xb = m.same * b.v + m.other * a.v - m.couple_same * b.tangent - m.couple_other * a.tangent;
-    const Vec3 ta =
-        m.couple_same * a.v - m.couple_other * b.v + m.spin_same * a.tangent + m.spin_other * b.tangent;
-    const Vec3 tb =
-        -m.couple_same * b.v + m.couple_other * a.v + m.spin_same * b.tangent + m.spin_other * a.tangent;
+    const Vec3 ta = m.couple_same * a.v - m.couple_other * b.v + m.spin_same * a.tangent +
+                    m.spin_other * b.tangent;
+    const Vec3 tb = -m.couple_same * b.v + m.couple_other * a.v + m.spin_same * b.tangent +
+                    m.spin_other * a.tangent;
     const Vec3 la = m.roll_same * a.spin + m.roll_other * b.spin;
     const Vec3 lb = m.roll_same * b.spin + m.roll_other * a.spin;
     sa = s.ta.cross(ta) + la + s.e.dot(la) * s.e;

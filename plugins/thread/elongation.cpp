@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sutura/archive.h"
 #include "sutura/laws/unilateral.h"
 
 namespace sutura::thread {
@@ -23,6 +24,11 @@ void Elongation::describe(Describe<Elongation>& d) {
            [](const Elongation& e) { return e.largest_force(); });
   d.output("active", "1", "Intervals at their limit.",
            [](const Elongation& e) { return static_cast<Real>(e.active()); });
+}
+
+void Elongation::archive(Archive& a) {
+  a("largest_force", largest_force_);
+  a("active", active_);
 }
 
 void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
@@ -56,9 +62,8 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
     if (room > 0.99 * limit * length) continue;
     const Key key =
         make_key(source_id_, static_cast<std::uint64_t>(std::llround(1e7 * rod.abscissa()[first])));
-    const BlockId block =
-        builder.add<Unilateral>(key, {}, BlockVector<1>(room), Unilateral::open,
-                                {.force = 0.1, .length = limit * length});
+    const BlockId block = builder.add<Unilateral>(key, {}, BlockVector<1>(room), Unilateral::open,
+                                                  {.force = 0.1, .length = limit * length});
     builder.couple(block, *thread, Eigen::Matrix<Real, 1, 3>(along.transpose()), J, at.position);
     blocks_.push_back(block);
   }

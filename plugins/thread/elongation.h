@@ -15,6 +15,7 @@ class Elongation : public Component, public ConstraintSource {
   static void describe(Describe<Elongation>& d);
 
   void initialise(Setup& setup) override { source_id_ = setup.source_id; }
+  void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 

@@ -163,4 +163,26 @@ bool Rod::finite() const {
   return velocity_.allFinite();
 }
 
+void Rod::archive(Archive& a) {
+  const std::size_t nodes = pose_.size(), springs = springs_.size();
+  a.list("poses", pose_, [](Archive& each, Pose& pose) { each("pose", pose); });
+  a("twist", twist_);
+  velocity_.archive(a, "velocity");
+  a("pushed", pushed_);
+  a.list("springs", springs_, [](Archive& each, NodeSpring& s) {
+    each("node", s.node);
+    each("active", s.active);
+    each("target", s.target);
+    each("translation", s.stiffness.translation);
+    each("rotation", s.stiffness.rotation);
+    each("applied", s.applied);
+  });
+  if (pose_.size() != nodes || velocity_.size() != 6 * static_cast<Index>(nodes) ||
+      twist_.size() + 1 != nodes || springs_.size() != springs)
+    a.fail("the state of another thread");
+  for (const NodeSpring& s : springs_)
+    if (s.node < 0 || s.node >= static_cast<Index>(nodes)) a.fail("a hold of another thread");
+  if (a.restoring()) in_step_ = false;
+}
+
 }  // namespace sutura::thread

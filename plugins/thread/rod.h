@@ -1,12 +1,13 @@
 // A chain of beams: its state, one implicit Euler step, and its static equilibrium. Knows no scene.
 //
-// A step is implicit Euler, solved in passes. At the guess v of the velocity at its end (6 per node:
-// translation, spin; world axes), with the poses x = start + h v,
-//   r = M (v_start - v) + h (f(x) + weight - B v),     A dv = r,     A = M + h B + h^2 K,  B = alpha M + beta K
-// with f the exact gradient of the energy and K its Hessian, or a convex part of it where A would not be
-// positive definite (element.h). The geometric
-// stiffness in K takes the tension that the pass before predicted and not the one at the guess: a stiff beam
-// that turns by theta in a pass is stretched by theta^2/2 until the next pass takes that back (docs/theory/thread.md).
+// A step is implicit Euler, solved in passes. At the guess v of the velocity at its end (6 per
+// node: translation, spin; world axes), with the poses x = start + h v,
+//   r = M (v_start - v) + h (f(x) + weight - B v),     A dv = r,     A = M + h B + h^2 K,  B =
+//   alpha M + beta K
+// with f the exact gradient of the energy and K its Hessian, or a convex part of it where A would
+// not be positive definite (element.h). The geometric stiffness in K takes the tension that the
+// pass before predicted and not the one at the guess: a stiff beam that turns by theta in a pass is
+// stretched by theta^2/2 until the next pass takes that back (docs/theory/thread.md).
 #pragma once
 
 #include <functional>
@@ -62,6 +63,8 @@ class Rod {
   /// give the rest pose and the section by abscissa.
   void resample(const std::vector<Real>& abscissa, const std::function<Pose(Real)>& rest,
                 const std::function<Section(Real)>& section);
+  /// State and holds; the layout must be the one that was saved.
+  void archive(Archive& archive);
   /// All six dofs of the node stay as they are.
   void clamp(Index node);
   const std::vector<Index>& clamped() const { return clamped_; }
@@ -90,11 +93,11 @@ class Rod {
 
   /// Begins a step where the last one ended, or the same step anew with another length.
   void begin_step(Real dt, const Vec3& gravity);
-  /// Assembles and factors A at the guess and finds the change under `force` of constraints. False if A is not
-  /// positive definite.
+  /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
+  /// if A is not positive definite.
   bool linearise(const Dofs& force);
-  /// The guess moves by that change and the answer to a change of force; only part of the way where that turns
-  /// a beam too far.
+  /// The guess moves by that change and the answer to a change of force; only part of the way where
+  /// that turns a beam too far.
   void correct(const Dofs& force_change);
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Dofs& force) const;
@@ -105,7 +108,8 @@ class Rod {
   Index advance(Real dt, const Vec3& gravity, const Dofs& force, Real tolerance = 1e-9);
 
   // The parts of linearise, also for measurement.
-  /// exact: the Hessian, which may be indefinite; convex: its positive semidefinite part (element.h).
+  /// exact: the Hessian, which may be indefinite; convex: its positive semidefinite part
+  /// (element.h).
   enum class Tangent { exact, convex };
   void assemble(Tangent tangent);
   bool factor();
@@ -153,7 +157,8 @@ class Rod {
   /// Largest turn of a chord or tangent in the step (rad).
   Real largest_turn(const std::vector<Pose>& poses, const Dofs& step) const;
   static constexpr Real turn_limit = 0.5;  ///< rad: inside it the quadratic model of a beam is good
-  /// Forces below this share of the largest in the rod are taken for rounding where nothing else is at work.
+  /// Forces below this share of the largest in the rod are taken for rounding where nothing else is
+  /// at work.
   static constexpr Real negligible = 1e-6;
   void predict_tension(const Dofs& step, Real part);
   void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
@@ -177,8 +182,8 @@ class Rod {
   std::vector<Vec3> start_rate_;      ///< of the tangents, 1/s
   std::vector<ElementState> states_;  ///< per beam
   std::vector<Real> tension_;         ///< that the last pass predicted, N
-  DofVector missing_;                 ///< r: momentum due at the guess, without constraint forces (N s)
-  std::vector<Real> at_work_;         ///< per node: sum of the sizes of the forces on it (N)
+  DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
+  std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
   DofVector change_, answer_, force_;  ///< force_: of constraints, on the guess (N, N m)
   Real last_turn_ = 0;                 ///< that the pass before asked of a beam (rad)
   std::vector<Index> clamped_;

@@ -53,8 +53,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   before.head<3>() = momentum();
   before.tail<3>() = angular_momentum();
   const std::size_t n = abscissa.size();
-  auto& [layout, velocity, twist, strain, old_abscissa, changed, halves, clamped,
-         nodes_concerned, springs] = work_;
+  auto& [layout, velocity, twist, strain, old_abscissa, changed, halves, clamped, nodes_concerned,
+         springs] = work_;
   layout.abscissa = abscissa;
   layout.rest.clear();
   layout.start.clear();
@@ -139,8 +139,8 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
       pose_[k].position += J.transpose() * (jj.inverse() * wanted);
     }
 
-  // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned. A clamp
-  // gives the rod whatever momentum it needs, and must not move.
+  // What interpolation loses of momentum goes back as a rigid motion of the nodes concerned. A
+  // clamp gives the rod whatever momentum it needs, and must not move.
   if (!clamped_.empty()) return;
   nodes_concerned.clear();
   for (std::size_t k = 0; k < n; ++k)

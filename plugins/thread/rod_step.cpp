@@ -1,4 +1,5 @@
-// One step of a rod: guess, balance at the guess, linear answer. The passes are the caller's (step.cpp).
+// One step of a rod: guess, balance at the guess, linear answer. The passes are the caller's
+// (step.cpp).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,13 +17,15 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
     start_twist_ = twist_;
     start_velocity_ = velocity_;
     for (Index i = 0; i < nodes(); ++i)
-      start_rate_[i] = Vec3(velocity_.segment<3>(6 * i + 3)).cross(pose_[i].rotation * Vec3::UnitX());
+      start_rate_[i] =
+          Vec3(velocity_.segment<3>(6 * i + 3)).cross(pose_[i].rotation * Vec3::UnitX());
     in_step_ = true;
   }
   last_turn_ = std::numeric_limits<Real>::infinity();
   take_guess(false);
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
-  // Going on as before is the better guess, unless it turns beams too far for anything to be linear.
+  // Going on as before is the better guess, unless it turns beams too far for anything to be
+  // linear.
   answer_ = dt * start_velocity_;
   if (largest_turn(start_, answer_) < turn_limit) take_guess(true);
 }
@@ -32,17 +35,18 @@ void Rod::take_guess(bool inertia) {
   velocity_.setZero();
   if (inertia) {
     velocity_ = start_velocity_;
-    const bool held = pushed_ || !clamped_.empty() ||
-                      std::any_of(springs_.begin(), springs_.end(),
-                                  [](const NodeSpring& s) { return s.active; });
+    const bool held =
+        pushed_ || !clamped_.empty() ||
+        std::any_of(springs_.begin(), springs_.end(), [](const NodeSpring& s) { return s.active; });
     for (Index i = 0; i < nodes() && !held; ++i) velocity_.segment<3>(6 * i) += dt_ * gravity_;
     keep_lengths();
   }
   take_velocity();
 }
 
-/// Straight on, nodes of a turning beam drift apart: by theta^2/2 of its length, times EA. So the guess turns the
-/// beams as the velocities say and joins them again, where they are held or else where they are on the whole.
+/// Straight on, nodes of a turning beam drift apart: by theta^2/2 of its length, times EA. So the
+/// guess turns the beams as the velocities say and joins them again, where they are held or else
+/// where they are on the whole.
 void Rod::keep_lengths() {
   Vec3 end = start_[0].position + dt_ * velocity_.segment<3>(0);  // of the beams joined so far
   Vec3 rate = velocity_.segment<3>(0);
@@ -116,8 +120,8 @@ void Rod::add_beam_balance(Index e) {
     sa -= c * (k.va.transpose() * dv + k.aa * v.wa + k.ab * v.wb);
     sb -= c * (k.vb.transpose() * dv + k.ab.transpose() * v.wa + k.bb * v.wb);
   }
-  // Change of momentum. The rate of the tangents is compared as a vector: so linear momentum is kept exactly
-  // while they turn.
+  // Change of momentum. The rate of the tangents is compared as a vector: so linear momentum is
+  // kept exactly while they turn.
   const Real keep = 1 + dt_ * damping_mass;
   const NodeRates a{keep * v.va - old.va - fall, keep * v.wa.cross(s.ta) - start_rate_[e],
                     keep * v.wa - old.wa};
@@ -161,8 +165,10 @@ void Rod::assemble(Tangent tangent) {
     ElementState& s = states_[e];
     const Real tension = s.tension;
     s.tension = tension_[e];
-    if (tangent == Tangent::exact) hessian(elements_[e], s, k);
-    else step_stiffness(elements_[e], s, k);
+    if (tangent == Tangent::exact)
+      hessian(elements_[e], s, k);
+    else
+      step_stiffness(elements_[e], s, k);
     s.tension = tension;
 
     Mat6& da = matrix_.diagonal(e);
@@ -184,15 +190,15 @@ void Rod::assemble(Tangent tangent) {
     const Mat3 xs = stiffness_factor * k.va + cs * ta;
     da.topRightCorner<3, 3>() -= xs;
     da.bottomLeftCorner<3, 3>() -= xs.transpose();
-    da.bottomRightCorner<3, 3>() += plus_diagonal(
-        stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
+    da.bottomRightCorner<3, 3>() +=
+        plus_diagonal(stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
 
     db.topLeftCorner<3, 3>() = plus_diagonal(vv, same);
     const Mat3 ys = stiffness_factor * k.vb + cs * tb;
     db.topRightCorner<3, 3>() = ys;
     db.bottomLeftCorner<3, 3>() = ys.transpose();
-    db.bottomRightCorner<3, 3>() = plus_diagonal(
-        stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
+    db.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
 
     up.topLeftCorner<3, 3>() = plus_diagonal(-vv, other);
     up.topRightCorner<3, 3>() = -stiffness_factor * k.vb - co * tb;
@@ -211,8 +217,9 @@ void Rod::assemble(Tangent tangent) {
     for (int d = 0; d < 6; ++d) matrix_.fix(node, d);
 }
 
-// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about its own
-// axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings it back.
+// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about
+// its own axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings
+// it back.
 bool Rod::factor() {
   for (Real shift = 1e-13; !matrix_.factor(); shift *= 100) {
     if (!(shift < 1e-6)) return false;
@@ -234,8 +241,8 @@ bool Rod::linearise(const Dofs& force) {
   return true;
 }
 
-/// Tension after `part` of the step (m, rad) from the guess: the linear prediction, which is free of the
-/// second-order stretch of a finite rotation.
+/// Tension after `part` of the step (m, rad) from the guess: the linear prediction, which is free
+/// of the second-order stretch of a finite rotation.
 void Rod::predict_tension(const Dofs& step, Real part) {
   Vec9 change;
   for (Index e = 0; e < beams(); ++e) {
@@ -256,8 +263,8 @@ void Rod::correct(const Dofs& force_change) {
   const Real turn = largest_turn(pose_, answer_);
   Real part = std::min(1., turn_limit / turn);
   predict_tension(answer_, part);
-  // Passes may lift the potential on their best way, as long as they contract: a turn fakes stretch, which the next
-  // pass takes back. Where they do not, only what lowers it is taken.
+  // Passes may lift the potential on their best way, as long as they contract: a turn fakes
+  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
   const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
   const Real before = contracts ? 0 : potential();
   velocity_ += part / dt_ * answer_;
@@ -274,8 +281,9 @@ void Rod::take_velocity() {
   evaluate_guess();
 }
 
-/// Of which the end of the step is the minimum, forces of constraints and loads held as they are: elastic energy and
-/// weight, springs, and half the squared change of velocity in the norm of the mass.
+/// Of which the end of the step is the minimum, forces of constraints and loads held as they are:
+/// elastic energy and weight, springs, and half the squared change of velocity in the norm of the
+/// mass.
 Real Rod::potential() const {
   Real sum = -dt_ * force_.dot(velocity_);
   if (load_.size() == force_.size()) sum -= dt_ * load_.dot(velocity_);

@@ -70,7 +70,7 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   for (Index e = 0; e < n; ++e) {
     if (fixed(e)) continue;
     angle[e] = turning_angle(rod, e);
-    const bool bent = angle[e] > rules.angle || length(e) * angle[e] / 8 > rules.sagitta;
+    const bool bent = angle[e] > rules.angle;
     split[e] = (bent && length(e) >= 2 * rules.shortest) || length(e) > rules.longest * (1 + 1e-9);
   }
   // Grading: a beam more than twice as long as what its neighbour becomes is split too; spreads
@@ -102,9 +102,8 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
       const Real left =
           e > 0 ? (last_merged == e - 1 ? length(e - 1) + length(e - 2) : after(e - 1)) : L;
       const Real right = e + 2 < n ? after(e + 2) : L;
-      merge = theta < rules.angle / 2 && L * theta / 8 < rules.sagitta / 2 &&
-              L <= rules.longest * (1 + 1e-9) && L <= 2 * left * (1 + 1e-9) &&
-              L <= 2 * right * (1 + 1e-9) &&
+      merge = theta < rules.angle / 2 && L <= rules.longest * (1 + 1e-9) &&
+              L <= 2 * left * (1 + 1e-9) && L <= 2 * right * (1 + 1e-9) &&
               // halves of a former split find together again, and not shifted by one
               std::abs(length(e) - length(e + 1)) < 0.26 * L && keeps_energy(rod, e, rules.angle);
     }

@@ -1,10 +1,9 @@
 // Where the nodes of a rod should be: dense where it bends, coarse where it is straight.
 //
 // A beam is split when its turning angle, the integral of |dt/ds| along its cubic (an S does not
-// count as straight), exceeds `angle`, or its sagitta L angle/8 exceeds `sagitta`; two beams are
-// merged when the merged one would stay below half of both (hysteresis: no flicker) and keeps their
-// energy. Lengths stay between `shortest` and `longest`, neighbours within a factor of two. One
-// level per call.
+// count as straight), exceeds `angle`; two beams are merged when the merged one would stay below
+// half of it (hysteresis: no flicker) and keeps their energy. Lengths stay between `shortest` and
+// `longest`, neighbours within a factor of two. One level per call.
 #pragma once
 
 #include "rod.h"
@@ -13,7 +12,6 @@ namespace sutura::thread {
 
 struct SamplingRules {
   Real angle = 0.3;               ///< rad
-  Real sagitta = 1;               ///< m
   Real shortest = 0;              ///< m
   Real longest = 1;               ///< m
   Real from = 0;                  ///< beams before this abscissa are left alone (needle), m

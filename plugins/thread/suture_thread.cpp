@@ -6,9 +6,25 @@
 #include <limits>
 #include <string>
 
-#include "sutura/units.h"
+#include "sutura/archive.h"
 
 namespace sutura::thread {
+
+/// Every grasper and load has said where it wants a node.
+void SutureThread::ready(Setup&) {
+  build();
+}
+
+void SutureThread::archive(Archive& a) {
+  std::vector<Real> nodes = rod_.abscissa();
+  a("abscissae", nodes);
+  const bool usable = nodes.size() >= 2 && std::is_sorted(nodes.begin(), nodes.end());
+  if (!usable) a.fail("these are no nodes of a thread");
+  if (!a.ok()) return;
+  if (a.restoring() && nodes != rod_.abscissa()) lay_out(std::move(nodes));
+  rod_.archive(a);
+  a("factored", factored_);
+}
 
 /// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a
 /// hold than a third of a beam moves there instead of making a sliver.
@@ -54,9 +70,10 @@ Section SutureThread::section(Real s) const {
           .bending_factor = bending_factor};
 }
 
-void SutureThread::build() {
+/// Beams between these abscissae, at rest where the scene puts them.
+void SutureThread::lay_out(std::vector<Real> nodes) {
   RodLayout layout;
-  layout.abscissa = node_abscissae();
+  layout.abscissa = std::move(nodes);
   for (const Real s : layout.abscissa) {
     layout.rest.push_back(shape_.rest(s));
     layout.start.push_back(shape_.start(s));
@@ -72,7 +89,10 @@ void SutureThread::build() {
     const CurvePlace at = place(rod_, s);
     rod_.springs().emplace_back().node = at.beam + (at.u > 0.5 ? 1 : 0);
   }
-  start_moving();
+}
+
+void SutureThread::build() {
+  lay_out(node_abscissae());
   rules_ = {.angle = sampling_angle,
             .shortest = shortest_beam,
             .longest = thread_length / static_cast<Real>(thread_beams),
@@ -118,7 +138,9 @@ void SutureThread::resample() {
       [&](Real s) { return section(s); });
 }
 
-Vec3 SutureThread::point(Real s, Configuration c) const { return curve_point(rod_, s, c); }
+Vec3 SutureThread::point(Real s, Configuration c) const {
+  return curve_point(rod_, s, c);
+}
 
 Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
   return point(p.weights[0], c);
@@ -165,7 +187,6 @@ EmbeddedPoint SutureThread::embed(Real s) const {
 
 Index SutureThread::add_hold(Real s) {
   holds_.push_back(std::clamp(s, 0., length()));
-  build();
   return static_cast<Index>(holds_.size()) - 1;
 }
 

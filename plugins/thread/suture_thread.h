@@ -36,6 +36,8 @@ class SutureThread : public Component, public CurveBody {
   static void describe(Describe<SutureThread>& d);
 
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
 
   // Body
   Index dofs() const override { return rod_.dofs(); }
@@ -96,6 +98,7 @@ class SutureThread : public Component, public CurveBody {
   RestShape read_rest(Setup& setup);
   void start_moving();
   void build();
+  void lay_out(std::vector<Real> nodes);
   void doubt_sizes(Setup& setup) const;
   std::vector<Real> node_abscissae() const;
   Section section(Real s) const;

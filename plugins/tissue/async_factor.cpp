@@ -18,7 +18,7 @@ void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
       place[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
   }
   ok = factor->factorise(snapshot->A);
-  if (ok) tail = factor->tail_compliance();
+  if (ok) factor->tail_compliance(tail);
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

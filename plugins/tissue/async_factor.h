@@ -25,6 +25,8 @@ struct Snapshot {
   Index step = -1;
 };
 
+void archive(Archive& archive, Snapshot& snapshot);
+
 /// What the worker publishes.
 struct SnapshotFactor {
   std::shared_ptr<Snapshot> snapshot;
@@ -52,10 +54,8 @@ class FactorWorker {
   FactorWorker(const FactorWorker&) = delete;
   FactorWorker& operator=(const FactorWorker&) = delete;
 
-  /// A snapshot has been handed in and its factor not taken out yet.
-  bool busy() const { return busy_; }
-  /// Not while busy. `job` carries the snapshot, and if it has one, a factor whose memory is
-  /// reused.
+  /// Not while a snapshot is handed in whose factor has not been taken out yet. `job` carries the
+  /// snapshot, and if it has one, a factor whose memory is reused.
   void submit(std::unique_ptr<SnapshotFactor> job);
   /// The answer, waiting for it at most `patience`; null if there is none yet.
   std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience);

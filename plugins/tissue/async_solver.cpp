@@ -44,12 +44,10 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   if (!in_flight_ && wants_new_factor()) {
     auto job = take_snapshot();
     in_flight_ = job->snapshot;
-    if (worker_lost_) {
+    if (worker_lost_)
       postponed_ = std::move(job);
-    } else {
-      if (!worker_) worker_ = std::make_unique<FactorWorker>(plan_, options_.hook);
-      worker_->submit(std::move(job));
-    }
+    else
+      submit(std::move(job));
   }
   last_iterations_ = 0;
   if (current_) {
@@ -60,6 +58,11 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
       report_.complain("the worker is late: the factor is " + std::to_string(report_.factor_age) +
                        " steps old");
   }
+}
+
+void AsyncSolver::submit(std::unique_ptr<SnapshotFactor> job) {
+  if (!worker_) worker_ = std::make_unique<FactorWorker>(plan_, options_.hook);
+  worker_->submit(std::move(job));
 }
 
 /// A copy of the matrix of this step, in recycled memory.
@@ -163,11 +166,12 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   assert(A_);
   const bool single = columns.cols() == 1;
   if (single) asked_ = columns.col(0);
-  const bool started = single && recent_.start(*A_, fixed_, asked_, x_);
+  MatX& x = single ? single_x_ : x_;  // each keeps its memory
+  const bool started = single && recent_.start(*A_, fixed_, asked_, x);
   const Real size = columns.norm();
   const Real tolerance =
       size > 0 ? std::clamp(enough / size, options_.tolerance, Real(0.5)) : options_.tolerance;
-  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, tolerance,
+  PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance,
                            options_.max_iterations, started);
   report_.iterations += r.iterations;
   last_iterations_ = std::max(last_iterations_, r.iterations);
@@ -175,20 +179,18 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   if (!r.converged && older && factorise_here()) {
     report_.complain(
         "the older factor was too poor: the matrix of the step was factorised at once");
-    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x_, tolerance,
-                   options_.max_iterations);
+    r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance, options_.max_iterations);
     report_.iterations += r.iterations;
   }
-  report_.solves += columns.cols();
   report_.residual = std::max(report_.residual, r.residual);
   if (!r.converged) {
     report_.converged = false;
     report_.complain(current_ ? "conjugate gradients did not converge"
                               : "no factor, and conjugate gradients did not converge without one");
   }
-  columns = x_;
+  columns = x;
   if (single) {
-    answered_ = x_.col(0);
+    answered_ = x.col(0);
     recent_.add(*A_, fixed_, answered_);
   }
 }

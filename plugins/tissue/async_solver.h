@@ -60,9 +60,12 @@ class AsyncSolver : public TissueSolver {
   bool compliance_is_exact() const override { return false; }
   const TissueSolveReport& report() const override { return report_; }
 
+  void archive(Archive& archive) override;
   const std::vector<Adoption>& adoptions() const { return adoptions_; }
 
  private:
+  void archive_job(Archive& archive, std::shared_ptr<Snapshot>& snapshot);
+  void submit(std::unique_ptr<SnapshotFactor> job);
   std::unique_ptr<SnapshotFactor> take_snapshot();
   void adopt(std::unique_ptr<SnapshotFactor> fresh);
   void adopt_what_is_due();
@@ -97,7 +100,7 @@ class AsyncSolver : public TissueSolver {
   WarpedFactor warped_;
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;
-  MatX x_;
+  MatX x_, single_x_;
   VecX asked_, answered_;  ///< the last single right-hand side of the step and its solution
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;

@@ -75,12 +75,12 @@ void Attach::initialise(Setup& setup) {
     if (!selection) return setup.error(*this, error);
     selected_ = selection->nodes;
     if (selected_.empty())
-      return setup.error(*this, (region.empty() ? "no node of the tissue lies in 'box'; the mesh spans "
-                                                : "no node of 'region' lies in 'box'; the mesh spans ") +
-                                    corners(tissue->mesh->report()) +
-                                    (tissue->mesh->unit == TetMesh::Unit::unstated
-                                         ? ", taken for metres: is a unit=\"mm\" missing?"
-                                         : ""));
+      return setup.error(*this,
+                         std::string("no node of ") + (region.empty() ? "the tissue" : "'region'") +
+                             " lies in 'box'; the mesh spans " + corners(tissue->mesh->report()) +
+                             (tissue->mesh->unit == TetMesh::Unit::unstated
+                                  ? ", taken for metres: is a unit=\"mm\" missing?"
+                                  : ""));
   }
   for (const Real number : nodes) {
     if (number != std::floor(number) || number >= static_cast<Real>(count))
@@ -101,9 +101,9 @@ void Attach::initialise(Setup& setup) {
   }
 }
 
-void Attach::drive(const StepContext& context) {
+void Attach::drive(const StepContext&) {
   if (!motion) return;
-  const Pose pose = motion->at(context.end());
+  const Pose pose = motion->pose();
   for (std::size_t i = 0; i < selected_.size(); ++i) {
     const Vec3 rest = tissue->rest_positions().segment<3>(3 * selected_[i]);
     const Vec3 target = pose.position + pose.rotation * rest;

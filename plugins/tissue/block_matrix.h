@@ -11,6 +11,8 @@
 
 namespace sutura {
 
+class Archive;
+
 /// Which blocks exist. Only i <= j is stored: by rows, columns ascending, so the diagonal block is
 /// the first of its row. Immutable, shared between a matrix, its copies and its factors.
 class NodePattern {
@@ -53,6 +55,7 @@ class NodeMatrix {
   void set_zero();
   /// A += scale * m I on the diagonal block of every node; `m` per node.
   void add_diagonal(std::span<const Real> m, Real scale);
+  void archive(Archive& archive);
   Mat3 block(Index i, Index j) const;  ///< any order; zero if not in the pattern
 
   /// y = A x, both 3 n. Deterministic: fixed order of sums.

@@ -12,7 +12,6 @@ struct ClosestPoint {
   Vec3 weights = Vec3::Zero();  ///< barycentric; exactly zero off the feature
   int edge = -1;                ///< 0: corners 0 1, 1: 1 2, 2: 2 0
   int corner = -1;
-  bool inside() const { return edge < 0 && corner < 0; }
 };
 
 /// Projects on the plane, and if that leaves the triangle, takes the best of the three edges. A

@@ -18,7 +18,8 @@ std::size_t at(Index i) {
 void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vector<Index>& outside,
                      const std::vector<char>& is_outside, Index dofs, Real dt, Eigen::Ref<MatX> W) {
   constexpr std::size_t chunk = 16;  // several right-hand sides share the pass over the factor
-  MatX columns(dofs, static_cast<Index>(std::min(chunk, outside.size())));
+  thread_local MatX columns;         // keeps its memory from step to step
+  columns.resize(dofs, chunk);
   for (std::size_t first = 0; first < outside.size(); first += chunk) {
     const std::size_t count = std::min(chunk, outside.size() - first);
     auto block = columns.leftCols(static_cast<Index>(count));
@@ -51,13 +52,16 @@ void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vect
 void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
                         const std::vector<char>& is_outside, Real dt, Eigen::Ref<MatX> W) {
   const MatX& C = *compliance.C;
-  std::vector<Vec3> turned(rows.node.size());  // Q^T h, per entry
+  thread_local std::vector<Vec3> turned;  // Q^T h, per entry; keeps its memory
+  thread_local VecX y_store;
+  turned.resize(rows.node.size());
   for (std::size_t e = 0; e < rows.node.size(); ++e) {
     const Eigen::Map<const Vec3> h(&rows.value[3 * e]);
     turned[e] =
         compliance.turn.empty() ? Vec3(h) : Vec3(compliance.turn[at(rows.node[e])].transpose() * h);
   }
-  VecX y(C.rows());
+  if (y_store.size() < C.rows()) y_store.resize(C.rows());
+  auto y = y_store.head(C.rows());
   for (Index r = 0; r < rows.size(); ++r) {
     if (is_outside[at(r)]) continue;
     y.setZero();
@@ -92,6 +96,7 @@ void Candidates::reset(std::shared_ptr<const NodePattern> pattern, std::span<con
   touched_at_.assign(n, never);
   is_chosen_.assign(n, 0);
   chosen_.clear();
+  chosen_.reserve(n);  // all nodes may be touched before only `limit` of them are kept
   full_until_ = never;
   for (const Index i : from_the_start)
     if (!fixed_[at(i)] && !is_chosen_[at(i)]) {
@@ -113,8 +118,10 @@ void Candidates::choose(Index step) {
   is_chosen_.assign(is_chosen_.size(), 0);
   for (Index i = 0; i < pattern_->nodes(); ++i)
     if (touched_at_[at(i)] >= step - memory && !fixed_[at(i)]) chosen_.push_back(i);
-  std::stable_sort(chosen_.begin(), chosen_.end(),
-                   [&](Index a, Index b) { return touched_at_[at(a)] > touched_at_[at(b)]; });
+  std::sort(chosen_.begin(), chosen_.end(), [&](Index a, Index b) {
+    return touched_at_[at(a)] != touched_at_[at(b)] ? touched_at_[at(a)] > touched_at_[at(b)]
+                                                    : a < b;
+  });
   if (static_cast<Index>(chosen_.size()) >= limit) {
     chosen_.resize(at(limit));
     full_until_ = step + memory;
@@ -122,19 +129,18 @@ void Candidates::choose(Index step) {
   for (const Index i : chosen_) is_chosen_[at(i)] = 1;
 
   // A contact that moves goes to a neighbour next.
-  const auto touched = chosen_;
   const auto grow = [&](Index i) {
     if (static_cast<Index>(chosen_.size()) >= limit || is_chosen_[at(i)] || fixed_[at(i)]) return;
     is_chosen_[at(i)] = 1;
     chosen_.push_back(i);
   };
-  std::vector<char> is_touched(is_chosen_);
+  is_touched_ = is_chosen_;
   for (Index i = 0; i < pattern_->nodes(); ++i)
     for (std::int32_t k = pattern_->row_start()[at(i)] + 1; k < pattern_->row_start()[at(i + 1)];
          ++k) {
       const Index j = pattern_->column()[at(k)];
-      if (is_touched[at(i)]) grow(j);
-      if (is_touched[at(j)]) grow(i);
+      if (is_touched_[at(i)]) grow(j);
+      if (is_touched_[at(j)]) grow(i);
     }
   outgrown_ = false;
 }
@@ -144,8 +150,10 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
   if (rows.size() == 0) return 0;
   solver.touch(rows.node);
   const NodeCompliance compliance = solver.compliance();
-  std::vector<char> is_outside(at(rows.size()), 0);
-  std::vector<Index> outside;
+  thread_local std::vector<char> is_outside;
+  thread_local std::vector<Index> outside;
+  is_outside.assign(at(rows.size()), 0);
+  outside.clear();
   for (Index r = 0; r < rows.size(); ++r) {
     for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e) {
       const Index node = rows.node[at(e)];

@@ -37,6 +37,7 @@ class Candidates {
   /// True if a free node was touched that is not in `chosen`, and there is room for it.
   bool outgrown() const { return outgrown_; }
   const std::vector<Index>& chosen() const { return chosen_; }
+  void archive(Archive& archive);
   /// Chooses anew: touched nodes first, the latest before the others, then their neighbours.
   void choose(Index step);
 
@@ -44,6 +45,7 @@ class Candidates {
   std::shared_ptr<const NodePattern> pattern_;
   std::vector<char> fixed_;
   std::vector<char> is_chosen_;
+  std::vector<char> is_touched_;  ///< while choosing
   std::vector<Index> chosen_;
   std::vector<Index> touched_at_;  ///< per node, step of the last touch
   bool outgrown_ = false;

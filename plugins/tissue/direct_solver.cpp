@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sutura/archive.h"
+
 namespace sutura {
 
 void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
@@ -43,7 +45,6 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
 
 void SynchronousSolver::solve(Eigen::Ref<MatX> columns, Real) {
   assert(A_);
-  report_.solves += columns.cols();
   if (ok_) {
     x_ = columns;
     factor_->solve(x_);
@@ -69,9 +70,20 @@ void SynchronousSolver::solve(Eigen::Ref<MatX> columns, Real) {
   columns = x_;
 }
 
+/// The matrix is factorised in every step; what lasts is the order in which that is done.
+void SynchronousSolver::archive(Archive& a) {
+  candidates_.archive(a);
+  a("failed_factors", report_.failed_factors);
+  a("adopted_at", report_.adopted_at);
+  if (!a.restoring() || !a.ok()) return;
+  plan_ = with_last(*plan_, candidates_.chosen());
+  adopt_plan();
+  ok_ = has_tail_ = false;
+}
+
 NodeCompliance SynchronousSolver::compliance() const {
   if (!ok_ || tail_nodes(*plan_).empty()) return {};
-  if (!has_tail_) tail_ = factor_->tail_compliance();
+  if (!has_tail_) factor_->tail_compliance(tail_);
   has_tail_ = true;
   return {&tail_, place_, {}};
 }

@@ -30,6 +30,7 @@ class SynchronousSolver : public TissueSolver {
   NodeCompliance compliance() const override;
   bool compliance_is_exact() const override { return true; }
   const TissueSolveReport& report() const override { return report_; }
+  void archive(Archive& archive) override;
 
  private:
   void adopt_plan();

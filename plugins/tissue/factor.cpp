@@ -150,12 +150,12 @@ void FactorPlan::extend(const Eigen::Ref<const MatX>& reduced, Eigen::Ref<MatX> 
       full.col(c).segment<3>(3 * order[k]) = reduced.col(c).segment<3>(3 * static_cast<Index>(k));
 }
 
-MatX inverse_of_product(const MatX& lower) {
-  MatX inverse = MatX::Identity(lower.rows(), lower.cols());
+void inverse_of_product(const MatX& lower, MatX& inverse, MatX& product) {
+  inverse.setIdentity(lower.rows(), lower.cols());
   lower.triangularView<Eigen::Lower>().solveInPlace(inverse);
-  MatX product = MatX::Zero(lower.rows(), lower.cols());
+  product.setZero(lower.rows(), lower.cols());
   product.selfadjointView<Eigen::Lower>().rankUpdate(inverse.transpose());
-  return product.selfadjointView<Eigen::Lower>();
+  product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
 }
 
 bool has_backend(FactorBackend backend) {

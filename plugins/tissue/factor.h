@@ -40,15 +40,13 @@ class Factor {
   /// Not to be called from two workers at once: the work space belongs to the factor.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
   /// C = (A^-1) over the `last` nodes of the plan (3 count square, order of `tail_nodes`): the
-  /// inverse of the last Schur block L_ss L_ss^T. Empty if there are none.
-  virtual MatX tail_compliance() const = 0;
+  /// inverse of the last Schur block L_ss L_ss^T. Empty if there are none. C keeps its memory.
+  virtual void tail_compliance(MatX& C) const = 0;
   /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve
   /// is bound by reading L, which is then half as long. For preconditioning.
   virtual void solve_roughly(Eigen::Ref<MatX> columns) const { solve(columns); }
   /// Asks for what solve_roughly needs, to be made by every factorise from now on.
   virtual void keep_rough() {}
-  /// Numbers stored in L.
-  virtual Index stored() const = 0;
 };
 
 /// The same with other nodes last. The rest keeps its order, whose quality does not suffer: a

@@ -38,20 +38,15 @@ class EigenFactor : public Factor {
     plan_->extend(work_, columns);
   }
 
-  MatX tail_compliance() const override {
-    const Index tail = 3 * static_cast<Index>(plan_->tail.size());
-    if (tail == 0 || !ready_) return {};
+  void tail_compliance(MatX& C) const override {
+    const Index tail = ready_ ? 3 * static_cast<Index>(plan_->tail.size()) : 0;
     const auto& L = cholesky_.matrixL().nestedExpression();
     const Index first = plan_->size() - tail;
-    MatX lower = MatX::Zero(tail, tail);
+    lower_.setZero(tail, tail);
     for (Index c = 0; c < tail; ++c)
       for (Eigen::SparseMatrix<Real>::InnerIterator it(L, first + c); it; ++it)
-        lower(it.row() - first, c) = it.value();
-    return inverse_of_product(lower);
-  }
-
-  Index stored() const override {
-    return plan_->size() > 0 ? cholesky_.matrixL().nestedExpression().nonZeros() : 0;
+        lower_(it.row() - first, c) = it.value();
+    inverse_of_product(lower_, inverse_, C);
   }
 
  private:
@@ -60,7 +55,7 @@ class EigenFactor : public Factor {
   Eigen::SimplicialLLT<Eigen::SparseMatrix<Real>, Eigen::Lower, Eigen::NaturalOrdering<int>>
       cholesky_;
   bool ready_ = false;
-  mutable MatX work_;
+  mutable MatX work_, lower_, inverse_;
 };
 
 }  // namespace

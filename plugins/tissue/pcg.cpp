@@ -161,21 +161,27 @@ bool RecentSolutions::start(const NodeMatrix& A, std::span<const char> fixed, co
                             MatX& x) {
   if (count_ == 0) return false;
   for (; products_ < count_; ++products_) multiply(A, fixed, products_);
-  const MatX G = x_.leftCols(count_).transpose() * Ax_.leftCols(count_);
-  const VecX scale = G.diagonal().cwiseMax(0).cwiseSqrt();
+  // At most six by six: no memory from the heap.
+  using Small = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+  using Weights = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, most, 1>;
+  Small G(count_, count_);
+  for (Index i = 0; i < count_; ++i)
+    for (Index j = 0; j < count_; ++j) G(i, j) = x_.col(i).dot(Ax_.col(j));
+  const Weights scale = G.diagonal().cwiseMax(0).cwiseSqrt();
   if (!(scale.minCoeff() > 0) || !scale.allFinite()) return false;
   // Scaled to ones on the diagonal; solutions of successive steps are nearly parallel, and
   // directions that differ by rounding only are left out by the small shift.
-  MatX S = G;
+  Small S = G;
   for (Index i = 0; i < count_; ++i)
     for (Index j = 0; j < count_; ++j) S(i, j) = (G(i, j) + G(j, i)) / (2 * scale[i] * scale[j]);
   S.diagonal().array() += 1e-10;
-  VecX c = x_.leftCols(count_).transpose() * b;
+  Weights c = x_.leftCols(count_).transpose() * b;
   c = c.cwiseQuotient(scale);
   c = S.ldlt().solve(c).eval();
   c = c.cwiseQuotient(scale);
   if (!c.allFinite()) return false;
-  x = x_.leftCols(count_) * c;
+  x.setZero(x_.rows(), 1);
+  for (Index i = 0; i < count_; ++i) x.col(0) += c[i] * x_.col(i);
   return true;
 }
 

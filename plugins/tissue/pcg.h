@@ -82,6 +82,7 @@ class RecentSolutions {
   /// x <- sum c_k x_k with the least |x - A^-1 b|_A. False, x untouched, if there is nothing yet.
   bool start(const NodeMatrix& A, std::span<const char> fixed, const VecX& b, MatX& x);
   void add(const NodeMatrix& A, std::span<const char> fixed, const VecX& x);
+  void archive(Archive& archive);
 
  private:
   void multiply(const NodeMatrix& A, std::span<const char> fixed, Index column);

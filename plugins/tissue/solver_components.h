@@ -18,6 +18,7 @@ class DirectSolver : public Component, public SynchronousSolver {
 
   static void describe(Describe<DirectSolver>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override { SynchronousSolver::archive(archive); }
 };
 
 class AsyncPreconditioner : public Component, public AsyncSolver {
@@ -31,6 +32,7 @@ class AsyncPreconditioner : public Component, public AsyncSolver {
 
   static void describe(Describe<AsyncPreconditioner>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override { AsyncSolver::archive(archive); }
 };
 
 }  // namespace sutura

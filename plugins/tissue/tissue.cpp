@@ -5,6 +5,7 @@
 #include "direct_solver.h"
 #include "material_limits.h"
 #include "smoothed_t4.h"
+#include "sutura/archive.h"
 #include "sutura/scene.h"
 
 namespace sutura {
@@ -15,8 +16,7 @@ constexpr std::size_t most_tets = 1000000;  // some 4 GB with matrix and factor
 }  // namespace
 
 void Tissue::describe(Describe<Tissue>& d) {
-  d.summary(
-      "Soft tissue: corotational tetrahedra, lumped mass, implicit Euler.");
+  d.summary("Soft tissue: corotational tetrahedra, lumped mass, implicit Euler.");
   d.attribute("young", &Tissue::young, "Pa", young_range,
               "Young modulus, where no Layer says otherwise.");
   d.attribute("poisson", &Tissue::poisson, "1", strictly_between(-1, 0.5),
@@ -109,6 +109,30 @@ void Tissue::initialise(Setup& setup) {
 
   own_solver_ = solver ? nullptr : make_direct_solver();
   solver_ = solver ? solver.get() : own_solver_.get();
+}
+
+/// Every Layer and Attach has spoken. The factor that the first step needs is made here: the first
+/// step finds the same matrix again.
+void Tissue::ready(Setup& setup) {
+  for (std::size_t i = 0; i < fixed_.size(); ++i)
+    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
+  solver_->analyse(A_->pattern(), fixed_, {});
+  assemble({.dt = setup.dt, .gravity = setup.gravity});
+}
+
+void Tissue::archive(Archive& a) {
+  const Index size = dofs();
+  a("positions", x_);
+  a("velocities", v_);
+  a("reaction", reaction_);
+  a("linearisations", linearisations_);
+  a("assembled_for", assembled_for_);  // another length of step renews the factor
+  a("at_work", at_work_);              // how well the first pass has to be solved
+  if (own_solver_) own_solver_->archive(a);
+  if (!a.restoring() || !a.ok()) return;
+  if (x_.size() != size || v_.size() != size || reaction_.size() != size)
+    return a.fail("the state of another mesh");
+  set_state(x_, v_);
 }
 
 bool Tissue::set_material(int region, const Material& material) {

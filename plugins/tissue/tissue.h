@@ -40,6 +40,8 @@ class Tissue : public Component, public SolidBody {
 
   static void describe(Describe<Tissue>& d);
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
 
   // For the components that complete a tissue, from their initialise.
   /// False if the region already has a material of its own.
@@ -61,8 +63,8 @@ class Tissue : public Component, public SolidBody {
   Real max_displacement() const;
   Vec3 lowest() const;  ///< the node with the smallest z
   const std::vector<Real>& node_mass() const { return mass_; }
-  const VecX& positions() const { return x_; }   ///< m, node by node
-  const VecX& velocities() const { return v_; }  ///< m/s
+  const VecX& positions() const { return x_; }          ///< m, node by node
+  const VecX& velocities() const { return v_; }         ///< m/s
   const VecX& rest_positions() const { return rest_; }  ///< m
   /// For restarts and tests. Fixed nodes are fixed where they are put; their velocity becomes zero.
   void set_state(const VecX& x, const VecX& v);
@@ -110,7 +112,6 @@ class Tissue : public Component, public SolidBody {
   }
   void doubt(Setup& setup) const;
   void update_materials();
-  void start();
   void assemble(const StepContext& context);
   void balance(const StepContext& context);
   void solve_what_matters(const StepContext& context, VecX& momentum);
@@ -126,8 +127,7 @@ class Tissue : public Component, public SolidBody {
   std::vector<Material> tet_material_;
   std::vector<Real> mass_;   ///< lumped, per node (kg)
   std::vector<char> fixed_;  ///< per node
-  bool started_ = false;
-  Real edge_length_ = 0;  ///< mean, at rest (m)
+  Real edge_length_ = 0;     ///< mean, at rest (m)
   struct Support {
     Index node = 0;
     std::array<bool, 3> along{};
@@ -135,7 +135,7 @@ class Tissue : public Component, public SolidBody {
   };
   Vec3 support_force(const Support& support) const;
   std::vector<Support> supports_;
-  VecX slides_;  ///< per dof: 0 where a support holds it, else 1
+  VecX slides_;                 ///< per dof: 0 where a support holds it, else 1
   Real support_stiffness_ = 0;  ///< N/m
   struct Carried {
     Index node = 0;
@@ -149,12 +149,12 @@ class Tissue : public Component, public SolidBody {
   // The step: where it began, and what is known at the guess.
   bool in_step_ = false;
   VecX start_x_, start_v_;
-  VecX elastic_force_;  ///< N
-  VecX missing_;        ///< momentum due there, without constraint forces and reactions (N s)
-  VecX linearised_at_;  ///< positions at which A_ was made
+  VecX elastic_force_;      ///< N
+  VecX missing_;            ///< momentum due there, without constraint forces and reactions (N s)
+  VecX linearised_at_;      ///< positions at which A_ was made
   Real assembled_for_ = 0;  ///< and the length of the step (s)
-  Real at_work_ = 0;    ///< size of the forces there, when last measured (N)
-  VecX change_;         ///< of the velocity, that answers it (m/s)
+  Real at_work_ = 0;        ///< size of the forces there, when last measured (N)
+  VecX change_;             ///< of the velocity, that answers it (m/s)
 
   // Caches.
   VecX rest_;

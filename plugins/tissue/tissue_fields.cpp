@@ -1,5 +1,6 @@
 // What a tissue shows: sums over its state, and fields for recorders.
 #include <Eigen/Eigenvalues>  // operatorNorm
+#include <cmath>
 
 #include "rotation.h"
 #include "tissue.h"
@@ -68,7 +69,7 @@ Real Tissue::energy() const {
 }
 
 bool Tissue::finite() const {
-  return x_.allFinite() && v_.allFinite();
+  return x_.allFinite() && v_.allFinite() && std::isfinite(at_work_);
 }
 
 BodyGeometry Tissue::geometry() const {

@@ -14,7 +14,6 @@ namespace sutura {
 /// What the solver did in this step.
 struct TissueSolveReport {
   Index iterations = 0;      ///< of PCG, summed over all solves of the step; 0: direct
-  Index solves = 0;          ///< right-hand sides
   Real residual = 0;         ///< |b - A x| / |b|, the worst of the step
   Index factor_age = 0;      ///< steps between the factorised matrix and this one
   Index adopted_at = -1;     ///< step at which the factor in use was adopted
@@ -48,8 +47,8 @@ class TissueSolver {
   /// The next matrix has little to do with the last one (another length of step): what was made of
   /// older ones is of no use.
   virtual void renew() {}
-  /// columns <- A^-1 columns to the tolerance of the solver, or until |b - A x| <= enough; fixed nodes answer
-  /// zero.
+  /// columns <- A^-1 columns to the tolerance of the solver, or until |b - A x| <= enough; fixed
+  /// nodes answer zero.
   virtual void solve(Eigen::Ref<MatX> columns, Real enough = 0) = 0;
   virtual Index nodes() const = 0;
   virtual bool is_fixed(Index node) const = 0;
@@ -61,6 +60,8 @@ class TissueSolver {
   /// False if `compliance` is that of an earlier matrix.
   virtual bool compliance_is_exact() const = 0;
   virtual const TissueSolveReport& report() const = 0;
+  /// After `analyse`.
+  virtual void archive(Archive& archive) = 0;
 };
 
 class Registry;

@@ -29,14 +29,6 @@ std::string Tissue::fault() const {
                       " turned inside out";
 }
 
-/// What has to wait until every Layer and Attach has spoken.
-void Tissue::start() {
-  solver_->analyse(A_->pattern(), fixed_, {});
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
-  started_ = true;
-}
-
 void Tissue::move_queries(Configuration c, const VecX& x) {
   queries_[static_cast<std::size_t>(c)].move(x);
 }
@@ -52,7 +44,6 @@ void Tissue::set_state(const VecX& x, const VecX& v) {
 
 /// The first guess: on as before.
 void Tissue::begin_step(const StepContext& context) {
-  if (!started_) start();
   if (!in_step_) {
     start_x_ = x_;
     start_v_ = v_;
@@ -110,8 +101,8 @@ Real Tissue::moved_since_linearised() const {
   return std::sqrt(most);
 }
 
-/// A^-1 of a momentum that is missing, to a millionth of the forces at work: far below the tolerance of a step,
-/// so that the passes do not feel it.
+/// A^-1 of a momentum that is missing, to a millionth of the forces at work: far below the
+/// tolerance of a step, so that the passes do not feel it.
 void Tissue::solve_what_matters(const StepContext& context, VecX& momentum) {
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     if (fixed_[i]) momentum.segment<3>(3 * static_cast<Index>(i)).setZero();
@@ -131,7 +122,9 @@ void Tissue::linearise(const StepContext& context, const VecX& force) {
   solve_what_matters(context, change_);
 }
 
-void Tissue::solve(Eigen::Ref<MatX> columns) const { solver_->solve(columns); }
+void Tissue::solve(Eigen::Ref<MatX> columns) const {
+  solver_->solve(columns);
+}
 
 void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
   add_tissue_compliance(*solver_, rows, dt, W);

@@ -78,7 +78,6 @@ std::string Tissue::settle(const Vec3& gravity) {
   const bool any_fixed = std::find(fixed_.begin(), fixed_.end(), 1) != fixed_.end();
   if (!any_fixed && supports_.empty())
     return "nothing holds this tissue, so it has no balance; it needs an Attach";
-  if (!started_) start();
   VecX weight(dofs());
   for (Index i = 0; i < dofs(); i += 3)
     weight.segment<3>(i) = mass_[static_cast<std::size_t>(i / 3)] * gravity;
@@ -131,6 +130,7 @@ std::string Tissue::settle(const Vec3& gravity) {
     x_ = next_x;
   }
   move_queries(Configuration::current, x_);
+  assembled_for_ = 0;  // the factor that is there is of another shape
   if (found) return {};
   return "no balance was found, " + format_real(left) + " N of " + format_real(outside.norm()) +
          " N are left";

@@ -16,8 +16,8 @@ void twist_stiffness(const Lanes (&E)[6], const Lanes& mu, const Lanes& lambda, 
   for (int i = 0; i < 6; ++i) G[i] = factor * C[i];
   for (int i = 0; i < 3; ++i) G[i] += 2.0 * mu;
 
-  // Positive semidefinite as it is? Leading minors tell; the others go one by one. Rounding at rest is no
-  // compression.
+  // Positive semidefinite as it is? Leading minors tell; the others go one by one. Rounding at rest
+  // is no compression.
   const Lanes modulus = mu + choose(lambda > 0.0, lambda, -lambda);
   const Lanes tiny = 1e-9 * modulus;
   const Lanes minor = (G[0] + tiny) * (G[1] + tiny) - G[3] * G[3];
@@ -51,8 +51,7 @@ void turn_symmetric(const Lanes* R, Lanes (&G)[6]) {
   const Lanes g[3][3] = {{G[0], G[3], G[4]}, {G[3], G[1], G[5]}, {G[4], G[5], G[2]}};
   Lanes rg[3][3];  // R is column by column
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      rg[i][j] = R[i] * g[0][j] + R[3 + i] * g[1][j] + R[6 + i] * g[2][j];
+    for (int j = 0; j < 3; ++j) rg[i][j] = R[i] * g[0][j] + R[3 + i] * g[1][j] + R[6 + i] * g[2][j];
   const auto entry = [&](int i, int j) {
     return rg[i][0] * R[j] + rg[i][1] * R[3 + j] + rg[i][2] * R[6 + j];
   };

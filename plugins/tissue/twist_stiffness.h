@@ -1,13 +1,15 @@
 // What stretch adds to the tangent stiffness of a corotational element.
 //
-// The energy density is W = mu |S - I|^2 + lambda/2 (tr S)^2 with F = R S and tr S taken from its rest value. The
-// usual tangent turns the linear one with R and has no stiffness at all against twist, the three modes in
-// which R itself turns; where the element is stretched the exact Hessian has. Its part beyond the usual one,
-// between nodes with gradients g_a and g_b in the rest frame, is
-//   K_ab = V/2 R [g_a]x G [g_b]x^T R^T,     G = 2 mu I + 2 (lambda (tr S - 3) - 2 mu) (tr S I - S)^-1
-// ([g]x: matrix of the cross product; the eigenvalues of G are those of the twist modes, 2 mu + c_i in
-// Smith, de Goes and Kim 2019). Negative eigenvalues, of compression, are raised to zero, so that the
-// matrix of a step stays positive definite.
+// The energy density is W = mu |S - I|^2 + lambda/2 (tr S)^2 with F = R S and tr S taken from its
+// rest value. The usual tangent turns the linear one with R and has no stiffness at all against
+// twist, the three modes in which R itself turns; where the element is stretched the exact Hessian
+// has. Its part beyond the usual one, between nodes with gradients g_a and g_b in the rest frame,
+// is
+//   K_ab = V/2 R [g_a]x G [g_b]x^T R^T,     G = 2 mu I + 2 (lambda (tr S - 3) - 2 mu) (tr S I -
+//   S)^-1
+// ([g]x: matrix of the cross product; the eigenvalues of G are those of the twist modes, 2 mu + c_i
+// in Smith, de Goes and Kim 2019). Negative eigenvalues, of compression, are raised to zero, so
+// that the matrix of a step stays positive definite.
 #pragma once
 
 #include "lanes.h"
@@ -15,8 +17,8 @@
 
 namespace sutura {
 
-/// G times volume, entries xx yy zz xy xz yz, from the strain E = S - I (same order) and moduli times volume.
-/// `mu` is that of the term 2 mu |S - I|^2 and `lambda` that of the trace.
+/// G times volume, entries xx yy zz xy xz yz, from the strain E = S - I (same order) and moduli
+/// times volume. `mu` is that of the term 2 mu |S - I|^2 and `lambda` that of the trace.
 void twist_stiffness(const Lanes (&E)[6], const Lanes& mu, const Lanes& lambda, Lanes (&G)[6]);
 
 /// K (row by row) += R [a]x G [b]x^T R^T, where `ra` and `rb` are a and b turned by R and `G` has

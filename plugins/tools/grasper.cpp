@@ -1,5 +1,6 @@
 #include "grasper.h"
 
+#include "sutura/archive.h"
 #include "sutura/units.h"
 
 namespace sutura::tools {
@@ -38,12 +39,16 @@ void Grasper::describe(Describe<Grasper>& d) {
               "Of the grip, in translation.");
   d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e12),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
+  d.input("hold", "1", between(0, 1),
+          "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "
+          "the next time of grasp or release counts again.",
+          [](Grasper& g, Real hold) { hold > 0 ? g.grasp() : g.release(); });
   d.output("force", "N", "Force of the jaws on the curve over the last step.",
            [](const Grasper& g) -> Vec3 { return g.wrench().force; });
   d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
            [](const Grasper& g) -> Vec3 { return g.wrench().moment; });
   d.output("holding", "1", "1 while the jaws are closed, else 0.",
-           [](const Grasper& g) -> Real { return g.closed() ? 1 : 0; });
+           [](const Grasper& g) -> Real { return g.holding_ ? 1 : 0; });
   d.output("target", "m", "Where the jaws want the section; where they let go while they are open.",
            [](const Grasper& g) -> Vec3 { return g.target_.position; });
 }
@@ -61,22 +66,38 @@ void Grasper::initialise(Setup& setup) {
   }
   schedule_ = GraspSchedule(grasp_, release_);
   hold_ = body_->add_hold(at_);
+}
+
+void Grasper::ready(Setup&) {
   target_ = body_->frame(at_, Configuration::current);
 }
 
+void Grasper::archive(Archive& a) {
+  a("events", events_);
+  a("holding", holding_);
+  a("told", told_);
+  a("grip", grip_);
+  a("target", target_);
+}
+
 void Grasper::drive(const StepContext& context) {
-  const Index events =
-      told_ ? Index{*told_} : schedule_.events_until(context.time, 1e-6 * context.dt);
-  const bool changed = events != events_;
+  const Index events = schedule_.events_until(context.time, 1e-6 * context.dt);
+  // A release and a grasp that fall into one step take the section anew.
+  bool changed = events != events_;
+  bool hold = changed ? events % 2 == 1 : holding_;
+  if (told_ != Told::nothing) hold = told_ == Told::grasp;
+  changed = (changed && told_ == Told::nothing) || hold != holding_;
   events_ = events;
-  if (!closed()) {
+  holding_ = hold;
+  told_ = Told::nothing;
+  if (!holding_) {
     if (changed) body_->release_hold(hold_);
     return;
   }
   if (changed) {
-    grip_ = compose(inverse(track_->at(context.time)), body_->frame(at_, Configuration::current));
+    grip_ = compose(inverse(track_->start_pose()), body_->frame(at_, Configuration::current));
   }
-  target_ = compose(track_->at(context.end()), grip_);
+  target_ = compose(track_->pose(), grip_);
   body_->set_hold(hold_, target_, {stiffness_, rotation_stiffness_});
 }
 

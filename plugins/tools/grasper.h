@@ -17,13 +17,15 @@ class Grasper : public Component, public Driver, public Jaws {
   static void describe(Describe<Grasper>& d);
 
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
 
   // Jaws
-  void close() override { told_ = true; }
-  void open() override { told_ = false; }
-  bool closed() const override { return events_ % 2 == 1; }
-  Wrench wrench() const override { return closed() ? body_->hold_wrench(hold_) : Wrench{}; }
+  void grasp() override { told_ = Told::grasp; }
+  void release() override { told_ = Told::release; }
+  bool holding() const override { return holding_; }
+  Wrench wrench() const override { return holding_ ? body_->hold_wrench(hold_) : Wrench{}; }
 
  private:
   Link<CurveBody> body_;
@@ -34,12 +36,15 @@ class Grasper : public Component, public Driver, public Jaws {
   Real stiffness_ = HoldStiffness{}.translation;
   Real rotation_stiffness_ = HoldStiffness{}.rotation;
 
+  enum class Told : std::uint8_t { nothing, grasp, release };
+
   GraspSchedule schedule_;
   Index hold_ = -1;   ///< number of the hold in the body
-  Index events_ = 0;  ///< grasps and releases so far
-  std::optional<bool> told_;  ///< closed or open, once a host decides
-  Pose grip_;         ///< the section, seen from the tool, since the last grasp
-  Pose target_;       ///< where the section is to be at the end of the step
+  Index events_ = 0;  ///< grasps and releases of the schedule so far
+  bool holding_ = false;
+  Told told_ = Told::nothing;  ///< by a host, since the last step
+  Pose grip_;                  ///< the section, seen from the tool, since the last grasp
+  Pose target_;                ///< where the section is to be at the end of the step
 };
 
 }  // namespace sutura::tools

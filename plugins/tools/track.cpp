@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "key_frame_file.h"
+#include "key_frames.h"
+#include "sutura/archive.h"
 
 namespace sutura::tools {
 
@@ -34,11 +36,29 @@ void Track::describe(Describe<Track>& d) {
       .named_only();
   d.attribute("easing", &Track::easing_, {"linear", "smooth"},
               "Pace between two keys: constant speed, or at rest at every key (3u^2 - 2u^3).");
+  d.input("position", "m", any(),
+          "Where the centre is at the end of the next step. From then on the keys count no more.",
+          [](Track& t, const Vec3& centre) {
+            Pose pose = t.told_ ? t.target_ : t.now_;
+            pose.position = centre - pose.rotation * t.centre_;
+            t.move_to(pose);
+          });
+  d.input("rotation", "rad", any(),
+          "Rotation vector at the end of the next step, about the centre, which stays where it is "
+          "or was told to go. From then on the keys count no more.",
+          [](Track& t, const Vec3& vector) {
+            Pose pose = t.told_ ? t.target_ : t.now_;
+            const Vec3 centre = pose.position + pose.rotation * t.centre_;
+            pose.rotation = rotation_from_vector(vector);
+            pose.position = centre - pose.rotation * t.centre_;
+            t.move_to(pose);
+          });
   d.output("position", "m", "Translation p of the motion plus the centre.",
            [](const Track& t) -> Vec3 { return t.now_.position + t.now_.rotation * t.centre_; });
 }
 
 void Track::initialise(Setup& setup) {
+  dt_ = setup.dt;
   std::vector<KeyFrame> keys;
   if (about_ && !find_axis(setup)) return;
   if (!about_ && !turns_.empty()) {
@@ -58,28 +78,46 @@ void Track::initialise(Setup& setup) {
     return;
   }
   frames_ = KeyFrames(std::move(keys), centre_, easing_);
-  now_ = frames_.at(0);
-  dt_ = setup.dt;
+  before_ = now_ = frames_.at(0);
 }
 
+void Track::archive(Archive& a) {
+  a("before", before_);
+  a("now", now_);
+  a("told", told_);
+  a("target", target_);
+  step_ = -1;
+}
+
+void Track::move_to(const Pose& pose) {
+  told_ = true;
+  target_ = pose;
+}
+
+/// Called once for a step, or for parts of it, and once more for each part that is done again.
 void Track::drive(const StepContext& context) {
-  time_ = context.end();
-  now_ = at(time_);
+  if (!told_) {
+    before_ = frames_.at(context.time);
+    now_ = frames_.at(context.end());
+    return;
+  }
+  if (context.step != step_) {
+    step_ = context.step;
+    step_begin_ = context.time;
+    from_ = now_;
+  }
+  before_ = on_the_way(context.time);
+  now_ = on_the_way(context.end());
 }
 
-Pose Track::at(Real time) const {
-  if (!is_led_) return frames_.at(time);
-  // Evenly within the step, which may be taken in parts.
-  const Real u = std::clamp((time - led_since_) / dt_, Real(0), Real(1));
-  return {from_.position + u * (to_.position - from_.position),
-          from_.rotation.slerp(u, to_.rotation)};
-}
-
-void Track::lead(const Pose& pose) {
-  from_ = at(time_);
-  led_since_ = time_;
-  to_ = pose;
-  is_led_ = true;
+/// To where a host has told it to go, at this time of the step.
+Pose Track::on_the_way(Real time) const {
+  const Real part = (time - step_begin_) / dt_;
+  constexpr Real rounding = 1e-9;
+  if (part < rounding) return from_;
+  if (part > 1 - rounding) return target_;
+  return {from_.position + part * (target_.position - from_.position),
+          from_.rotation.slerp(part, target_.rotation)};
 }
 
 std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {

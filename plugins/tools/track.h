@@ -1,4 +1,5 @@
-// Track: where a tool is at any time, from key frames in the scene or in a CSV file.
+// Track: where a tool is at any time, from key frames in the scene or in a CSV file, or from a
+// host.
 #pragma once
 
 #include <vector>
@@ -17,13 +18,16 @@ class Track : public Component, public Driver, public Tool {
   static void describe(Describe<Track>& d);
 
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
 
   // Tool
-  Pose at(Real time) const override;
-  void lead(const Pose& pose) override;
+  Pose pose() const override { return now_; }
+  Pose start_pose() const override { return before_; }
+  void move_to(const Pose& pose) override;
 
  private:
+  Pose on_the_way(Real time) const;
   std::vector<KeyFrame> keys_from_attributes(Setup& setup);
   std::vector<KeyFrame> keys_from_file(Setup& setup);
   bool find_axis(Setup& setup);
@@ -39,14 +43,14 @@ class Track : public Component, public Driver, public Tool {
 
   Vec3 axis_ = Vec3::Zero();  ///< of the needle that `about` names
   KeyFrames frames_;
-  Pose now_;       ///< at the end of the last step
-  Real time_ = 0;  ///< of now_ (s)
-  Real dt_ = 0;
+  Pose before_, now_;  ///< at the start and the end of the last step
+  Real dt_ = 0;        ///< of a whole step, s
 
-  // Once a host leads: from where, at which time, and where to within the step that follows.
-  bool is_led_ = false;
-  Real led_since_ = 0;
-  Pose from_, to_;
+  // Told by a host: from where it was when the step began to the target at its end.
+  bool told_ = false;
+  Pose target_, from_;
+  Index step_ = -1;      ///< in which `from_` was noted
+  Real step_begin_ = 0;  ///< s
 };
 
 }  // namespace sutura::tools

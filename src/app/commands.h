@@ -23,9 +23,11 @@ struct SceneArguments {
 struct RunArguments {
   SceneArguments scene;
   std::optional<Index> steps;
-  std::string duration;  ///< "4 s"; empty: not given
-  std::string output;    ///< folder; empty: out/NAME
-  bool lenient = false;  ///< a run that misses its tolerances ends with 0 all the same
+  std::string duration;          ///< "4 s"; empty: not given
+  std::string output;            ///< folder; empty: out/NAME
+  std::string checkpoint_every;  ///< "1 s"; empty: no checkpoints
+  std::string resume;            ///< file of a state; empty: from the beginning
+  bool lenient = false;          ///< a run that misses its tolerances ends with 0 all the same
 };
 
 struct DescribeArguments {

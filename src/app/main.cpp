@@ -53,6 +53,16 @@ int dispatch(int argc, char** argv) {
   run_command->add_option("--output", run_arguments.output, "Folder for results; default: out/NAME")
       ->type_name("DIR");
 
+  run_command
+      ->add_option("--checkpoint-every", run_arguments.checkpoint_every,
+                   "Simulated time between two states written to checkpoint.sutura in the folder "
+                   "for results, each in place of the one before")
+      ->type_name("TIME");
+  run_command
+      ->add_option("--resume", run_arguments.resume,
+                   "Goes on from such a state; recorded files are cut back to its step")
+      ->type_name("FILE");
+
   SceneArguments check_arguments;
   CLI::App* check_command =
       app.add_subcommand("check", "Reads a scene and its files and lists every error");

@@ -86,6 +86,12 @@ std::string plain_text(const ComponentInfo& info, const Registry& registry) {
   for (const LinkInfo& l : info.links)
     out += "  " + l.name + ": " + l.target + " (" + joined(accepted_by(l, registry)) + ")" +
            (l.is_optional ? "; optional" : "") + "\n      " + l.doc + "\n";
+  if (!info.inputs.empty()) out += "\nInputs, set by a host between steps\n";
+  for (const InputInfo& i : info.inputs) {
+    const std::string range = range_text(i.range, i.unit);
+    out += "  " + i.name + ": " + (i.is_vector ? "3 reals" : "real") +
+           (range.empty() ? " in " + units_of(i.unit) : " " + range) + "\n      " + i.doc + "\n";
+  }
   if (!info.outputs.empty()) out += "\nOutputs\n";
   for (const OutputInfo& o : info.outputs)
     out += "  " + o.name + (o.unit.empty() ? "" : " [" + units_of(o.unit) + "]") + "\n      " +

@@ -58,6 +58,16 @@ void links(const ComponentInfo& info, const Registry& registry, std::string& out
       "[scenes](../concepts/scene.md#links).\n";
 }
 
+void inputs(const ComponentInfo& info, std::string& out) {
+  if (info.inputs.empty()) return;
+  out +=
+      "\n## Inputs\n\nSet by a host between steps; see [inputs](../concepts/state.md#inputs).\n\n"
+      "| Name | Type | Unit | Range | Meaning |\n|---|---|---|---|---|\n";
+  for (const InputInfo& i : info.inputs)
+    out += "| " + code(i.name) + " | " + (i.is_vector ? "3 reals" : "real") + " | " +
+           unit_cell(i.unit) + " | " + range_text(i.range, "") + " | " + cell(i.doc) + " |\n";
+}
+
 void outputs(const ComponentInfo& info, std::string& out) {
   if (info.outputs.empty()) return;
   out += "\n## Outputs\n\n| Name | Unit | Meaning |\n|---|---|---|\n";
@@ -77,6 +87,7 @@ std::string markdown_page(const ComponentInfo& info, const Registry& registry,
     out += "From the plugin `" + info.plugin + "`: `<plugin name=\"" + info.plugin + "\"/>`.\n";
   attributes(info, out);
   links(info, registry, out);
+  inputs(info, out);
   outputs(info, out);
   if (!info.theory.empty()) out += "\n## Theory\n\n" + info.theory + "\n";
   if (!example.empty())

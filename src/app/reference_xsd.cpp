@@ -31,21 +31,34 @@ const char* types = R"(  <xs:simpleType name="name">
     <xs:restriction base="xs:string"><xs:pattern value="[A-Za-z][A-Za-z0-9_\-]*"/></xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="real">
-    <xs:annotation><xs:documentation>A number with an optional unit: "30 kPa".</xs:documentation></xs:annotation>
-    <xs:restriction base="xs:string"><xs:pattern value="\s*[+\-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]+)?\s*[^,;]*"/></xs:restriction>
+    <xs:annotation>
+      <xs:documentation>A number with an optional unit: "30 kPa".</xs:documentation>
+    </xs:annotation>
+    <xs:restriction base="xs:string">
+      <xs:pattern value="\s*[+\-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]+)?\s*[^,;]*"/>
+    </xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="reals">
-    <xs:annotation><xs:documentation>Numbers with an optional unit at the end that holds for all: "0 0 5 mm".</xs:documentation></xs:annotation>
+    <xs:annotation>
+      <xs:documentation>
+        Numbers with an optional unit at the end that holds for all: "0 0 5 mm".
+      </xs:documentation>
+    </xs:annotation>
     <xs:restriction base="xs:string"><xs:pattern value="\s*[+\-]?[0-9.](.|\s)*"/></xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="integer">
     <xs:restriction base="xs:string"><xs:pattern value="-?[0-9]+"/></xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="flag">
-    <xs:restriction base="xs:string"><xs:enumeration value="true"/><xs:enumeration value="false"/></xs:restriction>
+    <xs:restriction base="xs:string">
+      <xs:enumeration value="true"/>
+      <xs:enumeration value="false"/>
+    </xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="path">
-    <xs:annotation><xs:documentation>Leads to a component: "/skin/tissue", "../tissue".</xs:documentation></xs:annotation>
+    <xs:annotation>
+      <xs:documentation>Leads to a component: "/skin/tissue", "../tissue".</xs:documentation>
+    </xs:annotation>
     <xs:restriction base="xs:string"><xs:minLength value="1"/></xs:restriction>
   </xs:simpleType>
   <xs:simpleType name="file">
@@ -114,12 +127,16 @@ std::string xml_schema(const Registry& registry) {
     <xs:complexType>
       <xs:choice minOccurs="0" maxOccurs="unbounded">
         <xs:element name="plugin">
-          <xs:complexType><xs:attribute name="name" type="xs:string" use="required"/></xs:complexType>
+          <xs:complexType>
+            <xs:attribute name="name" type="xs:string" use="required"/>
+          </xs:complexType>
         </xs:element>
         <xs:group ref="contents"/>
       </xs:choice>
       <xs:attribute name="version" use="required">
-        <xs:simpleType><xs:restriction base="xs:string"><xs:enumeration value="1"/></xs:restriction></xs:simpleType>
+        <xs:simpleType>
+          <xs:restriction base="xs:string"><xs:enumeration value="1"/></xs:restriction>
+        </xs:simpleType>
       </xs:attribute>
       <xs:attribute name="dt" type="real"/>
       <xs:attribute name="gravity" type="reals"/>

@@ -1,8 +1,9 @@
+#include "sutura/run.h"
+
 #include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 
 #include "app/commands.h"
@@ -34,111 +35,115 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 /// A line that rewrites itself, on a terminal only.
 class Progress {
  public:
-  explicit Progress(Index steps) : steps_(steps), shown_(isatty(STDERR_FILENO) == 1) {}
-  ~Progress() { clear(); }
+  Progress() : shown_(isatty(STDERR_FILENO) == 1) {}
+  ~Progress() {
+    if (written_) std::fprintf(stderr, "\r\033[K");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
 
-  void show(const StepReport& report) {
+  void show(const StepReport& report, Index steps) {
     constexpr double interval = 0.1;  // s, wall
     if (!shown_ || seconds_since(last_) < interval) return;
     last_ = std::chrono::steady_clock::now();
     std::fprintf(stderr, "\rstep %ld of %ld, t = %.3f s, %ld rows, %.1f ms/step   ",
-                 static_cast<long>(report.step), static_cast<long>(steps_), report.time,
+                 static_cast<long>(report.step), static_cast<long>(steps), report.time,
                  static_cast<long>(report.rows), 1e3 * report.total_seconds());
     written_ = true;
   }
-  void clear() {
-    if (written_) std::fprintf(stderr, "\r\033[K");
-    written_ = false;
-  }
 
  private:
-  Index steps_;
   bool shown_;
   bool written_ = false;
   std::chrono::steady_clock::time_point last_{};
 };
 
-constexpr Index most_steps = 1000000000;
-
-/// Enough steps to reach the duration; 1e-6 of a step forgives the rounding of both.
-Index steps_for(Real duration, Real dt) {
-  const Real steps = std::ceil(duration / dt - 1e-6);
-  return steps < static_cast<Real>(most_steps) ? static_cast<Index>(steps) : most_steps;
+/// A time from the command line that must be above zero; nothing, after a complaint, if it is not.
+std::optional<Real> time_of(const char* option, const std::string& text) {
+  std::string why;
+  const std::optional<Real> time = parse_quantity(text, "s", why);
+  if (time && *time > 0) return time;
+  complain(std::string(option) + ": " + (time ? "'" + text + "' is not above 0 s" : why));
+  return {};
 }
 
-/// 0, after a complaint, if nobody says how long.
-Index number_of_steps(const RunArguments& arguments, const Scene& scene) {
-  if (arguments.steps) return *arguments.steps;
-  Real duration = scene.duration;
+/// False, after a complaint, if a time is wrong.
+bool run_options(const RunArguments& arguments, RunOptions& options) {
+  options.output = arguments.output.empty()
+                       ? "out/" + std::filesystem::path(arguments.scene.scene).stem().string()
+                       : arguments.output;
+  options.steps = arguments.steps;
+  options.resume = arguments.resume;
+  options.allow_outside = arguments.scene.allow_outside;
   if (!arguments.duration.empty()) {
-    std::string why;
-    const std::optional<Real> given = parse_quantity(arguments.duration, "s", why);
-    if (!given || *given <= 0) {
-      complain("--duration: " + (given ? "'" + arguments.duration + "' is not above 0 s" : why));
-      return 0;
-    }
-    duration = *given;
-  } else if (duration <= 0) {
-    complain("how long? Give --steps or --duration, or <sutura duration=\"4 s\"> in the scene");
-    return 0;
+    options.duration = time_of("--duration", arguments.duration);
+    if (!options.duration) return false;
   }
-  return steps_for(duration, scene.dt);
+  if (!arguments.checkpoint_every.empty()) {
+    const std::optional<Real> every = time_of("--checkpoint-every", arguments.checkpoint_every);
+    if (!every) return false;
+    options.checkpoint_every = *every;
+  }
+  return true;
+}
+
+int exit_code(const RunResult& result, const Diagnostics& diagnostics) {
+  switch (result.end) {
+    case RunEnd::done:
+      return ok;
+    case RunEnd::stopped:
+      return interrupted;
+    case RunEnd::diverged:
+      return diverged;
+    case RunEnd::file_failed:
+      return static_cast<int>(Category::file);
+    case RunEnd::no_end:
+      return usage;
+    case RunEnd::refused:
+      break;
+  }
+  return diagnostics.exit_code();
 }
 
 }  // namespace
 
 int run(const RunArguments& arguments) {
-  LoadOptions options;
-  if (!load_options(arguments.scene, options)) return usage;
+  LoadOptions load;
+  RunOptions options;
+  if (!load_options(arguments.scene, load) || !run_options(arguments, options)) return usage;
   Registry registry;
   enrol_builtin(registry);
   Diagnostics diagnostics;
-  std::unique_ptr<Scene> scene = load_scene(arguments.scene.scene, registry, diagnostics, options);
+  std::unique_ptr<Scene> scene = load_scene(arguments.scene.scene, registry, diagnostics, load);
   if (!scene) return report(diagnostics);
-  const Index steps = number_of_steps(arguments, *scene);
-  if (steps == 0) return usage;
-
-  const std::string output =
-      arguments.output.empty()
-          ? "out/" + std::filesystem::path(arguments.scene.scene).stem().string()
-          : arguments.output;
-  const auto simulation =
-      Simulation::compile(std::move(scene), output, diagnostics, arguments.scene.allow_outside);
-  const int load_code = report(diagnostics);
-  if (!simulation) return load_code;
 
   catch_interrupts();
-  std::string file_error = simulation->start_recording();
   Summary summary;
-  bool finite = true;
-  const auto begin = std::chrono::steady_clock::now();
+  RunResult result;
   {
-    Progress progress(steps);
-    for (Index i = 0; i < steps && finite && file_error.empty() && !stop_requested; ++i) {
-      const StepReport& step = simulation->step();
-      summary.add(step);
-      finite = step.finite;
-      file_error = simulation->record_error();
-      progress.show(step);
-    }
+    Progress progress;
+    result = run_scene(std::move(scene), options, diagnostics,
+                       [&](Simulation&, const StepReport& step, const RunResult& so_far) {
+                         summary.add(step);
+                         progress.show(step, so_far.steps);
+                         return !stop_requested;
+                       });
   }
-  const double wall = seconds_since(begin);
-  const std::string finish_error = simulation->finish_recording();
-  if (file_error.empty()) file_error = finish_error;
-
-  std::printf("%s: %s", arguments.scene.scene.c_str(), summary.text(wall).c_str());
-  std::fflush(stdout);
-  if (!file_error.empty()) complain(file_error);
-  if (!finite)
-    complain("diverged: the state is no longer finite after step " +
-             std::to_string(simulation->report().step));
-  if (!finite) return diverged;
-  if (!file_error.empty()) return static_cast<int>(Category::file);
-  if (stop_requested) return interrupted;
-  if (summary.missed() > 0 && !arguments.lenient)
+  report(diagnostics);
+  if (result.end == RunEnd::no_end)
+    complain("how long? Give --steps or --duration, or <sutura duration=\"4 s\"> in the scene");
+  if (result.end != RunEnd::no_end && result.end != RunEnd::refused) {
+    std::printf("%s: %s", arguments.scene.scene.c_str(), summary.text(result.seconds).c_str());
+    std::fflush(stdout);
+  }
+  if (!result.message.empty()) complain(result.message);
+  if (result.end == RunEnd::done && summary.missed() > 0 && !arguments.lenient) {
     complain(std::to_string(summary.missed()) +
-             " steps are less accurate than asked, or faulty: see the summary (--lenient accepts that)");
-  return summary.missed() > 0 && !arguments.lenient ? inaccurate : ok;
+             " steps are less accurate than asked, or faulty: see the summary (--lenient accepts "
+             "that)");
+    return inaccurate;
+  }
+  return exit_code(result, diagnostics);
 }
 
 }  // namespace sutura::app

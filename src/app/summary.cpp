@@ -106,7 +106,8 @@ std::string Summary::text(double wall_seconds) const {
            static_cast<long>(f.as_operator), static_cast<long>(f.steps), f.operator_count / n_steps,
            f.assembled_count / n_steps);
   }
-  append(out, "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",
+  append(out,
+         "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",
          static_cast<double>(passes_) / n, static_cast<long>(most_passes_),
          static_cast<long>(divided_), static_cast<long>(steps_), static_cast<long>(most_parts_));
   append(out, "  %ld events (a surface pierced, a sticking sample torn loose)\n",

@@ -51,7 +51,7 @@ class Summary {
   static void count(std::map<std::string, Kind>& kinds, const std::vector<std::string>& sentences,
                     Index step);
   std::map<std::string, Kind> faults_, notes_;
-  Index faulty_ = 0;    ///< solved steps with faults
+  Index faulty_ = 0;  ///< solved steps with faults
   std::array<double, stage_names.size()> seconds_{};
   /// How the compliance of a body with an operator form was kept.
   struct Form {

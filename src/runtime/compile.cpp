@@ -6,6 +6,7 @@
 
 #include "runtime/gauss_seidel_component.h"
 #include "runtime/output_folder.h"
+#include "runtime/state.h"
 #include "solve/compliance_stage.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
@@ -35,11 +36,11 @@ class InitialisationOrder {
 };
 
 /// A component that throws broke its promise; the report names it, whatever it threw.
-void initialise(Component& component, Setup& setup) {
+void call(Component& component, void (Component::*phase)(Setup&), Setup& setup) {
   const std::string plugin = component.info().plugin;
   const std::string whose = plugin == "core" ? "Sutura" : "the plugin '" + plugin + "'";
   try {
-    component.initialise(setup);
+    (component.*phase)(setup);
   } catch (const std::bad_alloc&) {
     setup.error(component, component.info().name + " asks for more memory than there is");
   } catch (const std::exception& e) {
@@ -92,8 +93,14 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
     const bool stands = std::none_of(links.begin(), links.end(),
                                      [&](const Component* t) { return failed.contains(t); });
-    if (stands) initialise(*c, setup);
+    if (stands) call(*c, &Component::initialise, setup);
     if (!stands || !setup.ok()) failed.insert(c);
+  }
+  if (!diagnostics.ok()) return nullptr;
+  for (Component* c : order.components()) {
+    setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
+    setup.errors_before = diagnostics.errors();
+    call(*c, &Component::ready, setup);
   }
   if (!diagnostics.ok()) return nullptr;
 
@@ -106,7 +113,6 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->imbalance_.emplace_back();
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
-    if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
     if (auto* solver = dynamic_cast<ConstraintSolver*>(c)) {
       if (s->solver_ != nullptr) {
@@ -122,8 +128,10 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     s->solver_ = solver.get();
     s->default_solver_ = std::move(solver);
   }
-  // Sources commit after those they link to: a puncture finds the path already moved on.
+  // A grasper is told the time after its track. Sources commit after those they link to: a puncture
+  // finds the path already moved on.
   for (Component* c : order.components()) {
+    if (auto* driver = dynamic_cast<Driver*>(c)) s->drivers_.push_back(driver);
     if (auto* source = dynamic_cast<ConstraintSource*>(c)) {
       s->sources_.push_back(source);
       s->source_paths_.push_back(c->path());
@@ -132,6 +140,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   if (!s->settle(diagnostics)) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->compliance_ = std::make_unique<ComplianceStage>();
+  s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();
   s->output_directory_ = output_directory;
   s->written_files_ = written_files(setup);
@@ -163,6 +172,21 @@ std::string Simulation::start_recording() {
   for (Recorder* recorder : recorders_) {
     std::string error = recorder->start(*this);
     if (error.empty()) error = recorder->record(*this, report_);
+    if (!error.empty()) return record_error_ = error;
+  }
+  return {};
+}
+
+std::string Simulation::resume_recording() {
+  if (!written_files_.empty()) {
+    output_ = std::make_unique<OutputFolder>();
+    record_error_ = output_->take(output_directory_, written_files_, OutputFolder::Before::stays);
+    if (!record_error_.empty()) return record_error_;
+  }
+  recording_ = true;
+  record_error_.clear();
+  for (Recorder* recorder : recorders_) {
+    const std::string error = recorder->resume(*this);
     if (!error.empty()) return record_error_ = error;
   }
   return {};

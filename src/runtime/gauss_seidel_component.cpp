@@ -1,6 +1,7 @@
 #include "runtime/gauss_seidel_component.h"
 
 #include "solve/problem_file.h"
+#include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
@@ -57,6 +58,17 @@ void GaussSeidel::initialise(Setup& setup) {
                        .acceleration = acceleration_};
   if (dump_.empty()) return;
   if (const auto place = setup.output(*this, "dump", dump_, "*.problem")) dump_folder_ = *place;
+}
+
+/// The order of blocks is seeded anew in every solve and is no state.
+void GaussSeidel::archive(Archive& a) {
+  a("solves", solves_);
+  a("failures", failures_);
+  a("slowest", slowest_);
+  a("sweeps", last_.sweeps);
+  a("direct_solves", last_.direct_solves);
+  a("residual", last_.residual);
+  a("violation", last_.violation);
 }
 
 SolveReport GaussSeidel::solve(ConstraintProblem& problem) {

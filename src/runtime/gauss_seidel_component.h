@@ -10,6 +10,7 @@ class GaussSeidel : public Component, public ConstraintSolver {
  public:
   static void describe(Describe<GaussSeidel>& d);
   void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
   SolveReport solve(ConstraintProblem& problem) override;
   ComplianceForm compliance_form() const override { return compliance_; }
 

@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -52,7 +53,8 @@ void remove_listed(const fs::path& folder, const fs::path& listed) {
 
 }  // namespace
 
-std::string OutputFolder::take(const fs::path& folder, const std::vector<std::string>& files) {
+std::string OutputFolder::take(const fs::path& folder, const std::vector<std::string>& files,
+                               Before before) {
   release();
   const fs::path here = folder.empty() ? fs::path(".") : folder;
   std::error_code error;
@@ -71,10 +73,15 @@ std::string OutputFolder::take(const fs::path& folder, const std::vector<std::st
     release();
     return "another run is writing to " + here.string() + "; give this one another --output folder";
   }
-  std::ifstream before(list);
-  for (std::string line; std::getline(before, line);)
-    if (!line.starts_with('#')) remove_listed(here, line);
+  std::ifstream listed(list);
   std::string text = std::string(list_head) + '\n';
+  for (std::string line; std::getline(listed, line);) {
+    if (line.starts_with('#')) continue;
+    if (before == Before::goes)
+      remove_listed(here, line);
+    else if (std::find(files.begin(), files.end(), line) == files.end())
+      text += line + '\n';
+  }
   for (const std::string& file : files) text += file + '\n';
   const auto size = static_cast<ssize_t>(text.size());
   if (::ftruncate(lock_, 0) != 0 || ::write(lock_, text.data(), text.size()) != size)

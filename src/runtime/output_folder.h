@@ -16,9 +16,12 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
+  /// What becomes of the files of the run before. They stay when this one goes on from its state.
+  enum class Before { goes, stays };
   /// Makes the folder, locks it, removes what the run before wrote. `files` are relative to the
   /// folder; the last step may have one '*': "constraints/*.vtu". Error sentence or empty.
-  std::string take(const std::filesystem::path& folder, const std::vector<std::string>& files);
+  std::string take(const std::filesystem::path& folder, const std::vector<std::string>& files,
+                   Before before = Before::goes);
   void release();
 
  private:

@@ -49,8 +49,8 @@ void Simulation::begin_report() {
   for (BodyReport& b : report_.bodies) b.imbalance = {};
 }
 
-/// Finds the end of the step: where the momentum of every body balances and every law holds, both as measured
-/// there. False if the passes do not get that far.
+/// Finds the end of the step: where the momentum of every body balances and every law holds, both
+/// as measured there. False if the passes do not get that far.
 bool Simulation::balance(StepContext context, Timer& timer) {
   // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
@@ -83,7 +83,8 @@ bool Simulation::balance(StepContext context, Timer& timer) {
 
 /// One linearisation of everything about the present guess, and the next guess.
 void Simulation::pass(const StepContext& context, Timer& timer) {
-  // Every body alone: A dv = what its balance lacks under the present forces; where that leads the gaps.
+  // Every body alone: A dv = what its balance lacks under the present forces; where that leads the
+  // gaps.
   timer.enter(Stage::linearise);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i);
@@ -149,7 +150,8 @@ bool Simulation::measure(const StepContext& context) {
   return good;
 }
 
-/// The guess becomes the end of the step. The only place where topology and the number of rows may change.
+/// The guess becomes the end of the step. The only place where topology and the number of rows may
+/// change.
 void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
   timer.enter(Stage::commit);
   builder_->accept();
@@ -173,8 +175,11 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
   }
 }
 
+/// Once for a component and step, also where the step is divided.
 void Simulation::note_fault(const std::string& path, const std::string& fault) {
-  if (!fault.empty()) report_.faults.push_back(path + ": " + fault);
+  const auto is_known = [&](const std::string& other) { return other.starts_with(path + ": "); };
+  if (!fault.empty() && std::none_of(report_.faults.begin(), report_.faults.end(), is_known))
+    report_.faults.push_back(path + ": " + fault);
 }
 
 Imbalance StepReport::worst_imbalance() const {

@@ -21,7 +21,8 @@ class StepDivision {
     part_ *= 2;
     return true;
   }
-  /// On to the next part; twice as long a one where it fits, so that a step takes no more than it needs.
+  /// On to the next part; twice as long a one where it fits, so that a step takes no more than it
+  /// needs.
   void next() {
     ++part_;
     if (part_ < parts_ && part_ % 2 == 0 && parts_ > 1) {

@@ -8,21 +8,18 @@
 #include "sutura/units.h"
 
 namespace sutura {
-
 namespace {
 
 std::string shown(std::string_view name) {
-  constexpr std::size_t longest = 60;
-  return name.size() <= longest ? std::string(name) : std::string(name.substr(0, longest)) + "...";
+  return std::string(name.substr(0, 60)) + (name.size() > 60 ? "..." : "");
 }
 
-const std::vector<std::string> settings{"version",   "dt",     "gravity", "duration",
-                                        "tolerance", "gap_tolerance", "passes",  "substeps"};
+const std::vector<std::string> settings{
+    "version", "dt", "gravity", "duration", "tolerance", "gap_tolerance", "passes", "substeps"};
 const std::vector<std::string> only_name{"name"};
-constexpr Range dt_range{.low = 1e-9, .high = 1e4};     // s
-constexpr Range duration_range{.low = 0, .high = 1e6};  // s: eleven days
-constexpr Range tolerance_range{.low = 1e-12, .high = 1};
-constexpr Range gap_range{.low = 1e-12, .high = 1};  // m
+constexpr Range dt_range{.low = 1e-9, .high = 1e4};        // s
+constexpr Range duration_range{.low = 0, .high = 1e6};     // s: eleven days
+constexpr Range tolerance_range{.low = 1e-12, .high = 1};  // of the gap: m
 constexpr Range count_range{.low = 1, .high = 1024};
 
 }  // namespace
@@ -165,7 +162,7 @@ void SceneReader::read_settings(const XmlElement& root) {
     } else if (value.name == "tolerance") {
       read(scene_.limits.tolerance, "1", tolerance_range);
     } else if (value.name == "gap_tolerance") {
-      read(scene_.limits.gap_tolerance, "m", gap_range);
+      read(scene_.limits.gap_tolerance, "m", tolerance_range);
     } else if (value.name == "passes") {
       read_count(scene_.limits.passes, count_range, false);
     } else if (value.name == "substeps") {

@@ -52,8 +52,7 @@ class Writer {
       attribute("tolerance", format_real(limits.tolerance));
     if (limits.gap_tolerance != defaults.limits.gap_tolerance)
       attribute("gap_tolerance", format_real(limits.gap_tolerance) + " m");
-    if (limits.passes != defaults.limits.passes)
-      attribute("passes", std::to_string(limits.passes));
+    if (limits.passes != defaults.limits.passes) attribute("passes", std::to_string(limits.passes));
     if (limits.substeps != defaults.limits.substeps)
       attribute("substeps", std::to_string(limits.substeps));
     attribute("gravity", format_real(scene_.gravity.x()) + ' ' + format_real(scene_.gravity.y()) +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sutura/archive.h"
 #include "sutura/constraints.h"
 
 namespace sutura {
@@ -16,7 +17,7 @@ ConstraintBuilder::ConstraintBuilder(ConstraintProblem& problem, std::vector<con
 void ConstraintBuilder::Memory::remember(const ConstraintProblem& problem) {
   blocks.clear();
   for (const ConstraintBlock& b : problem.blocks)
-    blocks.push_back({b.key, b.law, b.first_row, b.mode});
+    blocks.push_back({b.key, b.law->name, b.first_row, b.mode});
   std::sort(blocks.begin(), blocks.end(),
             [](const Known& a, const Known& b) { return a.key < b.key; });
   if (lambda.size() < problem.lambda.size()) lambda.resize(problem.lambda.size());
@@ -27,10 +28,12 @@ const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(const Constraint
   const auto it =
       std::lower_bound(blocks.begin(), blocks.end(), b.key,
                        [](const Known& known, const Key& key) { return known.key < key; });
-  return it != blocks.end() && it->key == b.key && it->law == b.law ? &*it : nullptr;
+  return it != blocks.end() && it->key == b.key && it->law == b.law->name ? &*it : nullptr;
 }
 
-void ConstraintBuilder::accept() { step_before_.remember(problem_); }
+void ConstraintBuilder::accept() {
+  step_before_.remember(problem_);
+}
 
 void ConstraintBuilder::begin(Warm warm) {
   warm_ = warm;
@@ -67,8 +70,7 @@ BlockId ConstraintBuilder::add_block(const LawOperations* law, Key key, const vo
   return {static_cast<Index>(problem_.blocks.size()) - 1};
 }
 
-void ConstraintBuilder::couple(BlockId id, const Body& body,
-                               const Eigen::Matrix<Real, Eigen::Dynamic, 3>& directions,
+void ConstraintBuilder::couple(BlockId id, const Body& body, const Directions& directions,
                                const PointJacobian& J, const Vec3& at) {
   assert(id.valid() && id.index < static_cast<Index>(problem_.blocks.size()));
   ConstraintBlock& block = problem_.blocks[static_cast<std::size_t>(id.index)];
@@ -158,6 +160,22 @@ void ConstraintBuilder::finish() {
     if (same_step) b.mode = old->mode;
   }
   for (std::size_t body = 0; body < bodies_.size(); ++body) gather_rows(body);
+}
+
+void ConstraintBuilder::Memory::archive(Archive& a, std::set<std::string>& laws) {
+  a.list("blocks", blocks, [&laws](Archive& each, Known& known) {
+    std::string law(known.law);
+    each("key", known.key.value);
+    each("law", law);
+    each("first", known.first);
+    each("mode", known.mode);
+    if (each.restoring()) known.law = *laws.insert(law).first;
+  });
+  a("lambda", lambda);
+}
+
+void ConstraintBuilder::archive(Archive& a) {
+  step_before_.archive(a, restored_laws_);
 }
 
 }  // namespace sutura

@@ -66,7 +66,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   order_.resize(problem.blocks.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   last_gradient_ = 0;
-  search_.setZero(problem.rows());
+  if (options_.acceleration == Acceleration::nncg) search_.setZero(problem.rows());
 
   if (!problem.lambda.allFinite()) problem.lambda.setZero();
   compliance_.update_delta(problem);

@@ -1,5 +1,5 @@
-// How far the bodies are from the laws once they have moved: the natural map at the violation that was measured
-// at the new guess, with the compliance of the pass that led there.
+// How far the bodies are from the laws once they have moved: the natural map at the violation that
+// was measured at the new guess, with the compliance of the pass that led there.
 #pragma once
 
 #include <vector>
@@ -12,11 +12,11 @@ namespace sutura {
 
 class LawCheck {
  public:
-  /// Remembers the diagonal block of W of every block, by key; d_free -= W lambda: the bodies have moved under
-  /// lambda already, and the laws are to be solved for the whole of it.
+  /// Remembers the diagonal block of W of every block, by key; d_free -= W lambda: the bodies have
+  /// moved under lambda already, and the laws are to be solved for the whole of it.
   void begin(ConstraintProblem& problem);
-  /// Of problem.delta and problem.lambda as they are; fills in the violation of each block. A block that `note`
-  /// has not seen counts with the compliance that its units make.
+  /// Of problem.delta and problem.lambda as they are; fills in the violation of each block. A block
+  /// that `note` has not seen counts with the compliance that its units make.
   Residual measure(ConstraintProblem& problem);
 
  private:

@@ -1,4 +1,4 @@
-// A program of one's own around a simulation: it loads a scene, leads a tool, reads results.
+// A program of one's own around a simulation: it loads a scene, moves a tool, reads results.
 #include <cstdio>
 
 #include "sutura/simulation.h"
@@ -24,10 +24,10 @@ int main(int argc, char** argv) {
   auto* jaws = dynamic_cast<Jaws*>(simulation->find("/grasper"));
   if (tool == nullptr || jaws == nullptr) return 1;
 
-  jaws->close();
+  jaws->grasp();
   for (int i = 1; i <= 100; ++i) {
     // Where the hand of the user is; here, up by 10 mm in a second.
-    tool->lead({Vec3(0, 0, i * 0.1e-3), Quat::Identity()});
+    tool->move_to({Vec3(0, 0, i * 0.1e-3), Quat::Identity()});
     const StepReport& report = simulation->step();
     if (!report.finite) return 4;
     for (const std::string& message : report.messages) std::printf("%s\n", message.c_str());

@@ -17,7 +17,8 @@ constexpr const char* scene = R"(<sutura version="1" dt="10 ms" gravity="0 0 -9.
   <plugin name="thread"/> <plugin name="tools"/> <plugin name="output"/>
   <SutureThread name="suture" needle_length="0" thread_length="100 mm" thread_diameter="0.175 mm"
                 thread_density="910" tip="0 0 0" tip_direction="0 0 1" plane_normal="0 1 0"/>
-  <Track times="0.5 1.2 s" positions="0 0 0  40 0 20 mm" rotations="0 0 0  0 90 0 deg" easing="smooth"/>
+  <Track times="0.5 1.2 s" positions="0 0 0  40 0 20 mm" rotations="0 0 0  0 90 0 deg"
+         easing="smooth"/>
   <Grasper name="jaws" at="0" grasp="0 s" release="1.5 s"/>
   <CsvProbe columns="/jaws.force /jaws.holding /jaws.target /suture.momentum /suture.tip_position"/>
 </sutura>)";

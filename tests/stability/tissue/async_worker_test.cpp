@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <limits>
 #include <thread>
 
@@ -154,25 +155,51 @@ TEST(Worker, OneThatNeverAnswersIsReplacedByTheStepItself) {
   EXPECT_TRUE(said);
 }
 
+/// 60 steps with a worker that never answers. `look` sees the report of every step.
+std::vector<Vec3> unanswered(AsyncOptions o,
+                             const std::function<void(const TissueSolveReport&)>& look) {
+  o.hook = [](Index) { return false; };
+  AsyncSolver solver(o);
+  Swing s = block();
+  s.begin(solver);
+  for (int k = 0; k < 60; ++k) {
+    s.step(solver);
+    EXPECT_TRUE(solver.report().converged) << k;
+    look(solver.report());
+  }
+  return s.x;
+}
+
 TEST(Worker, FreeRunningWithoutAnswersGrowsStaleAndSaysSo) {
   SynchronousSolver direct;
   const auto exact = run(direct, 60);
   AsyncOptions o = eager();
   o.max_age = 10;
-  o.max_iterations = 12;  // beyond, the matrix of the step is factorised at once
-  o.hook = [](Index) { return false; };
-  AsyncSolver solver(o);
-  Swing s = block();
-  s.begin(solver);
-  bool stale = false, at_once = false;
-  for (int k = 0; k < 60; ++k) {
-    s.step(solver);
-    stale = stale || solver.report().stale;
-    at_once = at_once || solver.report().message.find("at once") != std::string::npos;
-    EXPECT_TRUE(solver.report().converged) << k;
-  }
-  EXPECT_TRUE(at_once || stale);
-  EXPECT_LT(distance(s.x, exact), 1e-6);
+  int stale = 0, said = 0;
+  const auto x = unanswered(o, [&](const TissueSolveReport& r) {
+    stale += r.stale;
+    said += r.message.find("the worker is late") != std::string::npos;
+    EXPECT_EQ(r.stale, r.factor_age > 10);
+  });
+  // The only factor is that of step 0: older than ten steps from step 11 on.
+  EXPECT_EQ(stale, 49);
+  EXPECT_EQ(said, 49);
+  EXPECT_LT(distance(x, exact), 1e-6);  // as for the worker that answers
+}
+
+TEST(Worker, FreeRunningWithoutAnswersFactorisesAtOnceWhenTheFactorIsTooPoor) {
+  SynchronousSolver direct;
+  const auto exact = run(direct, 60);
+  AsyncOptions o = eager();
+  o.max_iterations = 6;
+  int at_once = 0;
+  const auto x = unanswered(o, [&](const TissueSolveReport& r) {
+    const bool said = r.message.find("at once") != std::string::npos;
+    at_once += said;
+    EXPECT_EQ(r.factor_age == 0 && r.iterations > 6, said);
+  });
+  EXPECT_GT(at_once, 0);
+  EXPECT_LT(distance(x, exact), 1e-6);
 }
 
 TEST(Worker, AFailedFactorisationKeepsTheOlderFactor) {

@@ -238,6 +238,17 @@ TEST_F(Recorders, TwoRunsDoNotShareAFolder) {
   EXPECT_EQ(run(scene, 0), "");
 }
 
+TEST_F(Recorders, ARunThatGoesOnOwnsTheFolderAndRemovesNothing) {
+  const std::string scene = "<Curve name='rod'/><CsvProbe columns='/rod.tip'/>";
+  ASSERT_EQ(run(scene, 2), "");
+  const auto size = std::filesystem::file_size(folder_ / "probe.csv");
+  ASSERT_EQ(simulation_->resume_recording(), "");
+  const auto first = std::move(simulation_);
+  EXPECT_NE(run(scene, 0).find("another run is writing to " + folder_.string()), std::string::npos);
+  EXPECT_EQ(first->finish_recording(), "");
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "probe.csv"), size);
+}
+
 TEST_F(Recorders, OneVtuRecorderPerScene) {
   EXPECT_NE(run("<Curve/><VtuRecorder name='a'/><VtuRecorder name='b'/>", 0).find("overwrite"),
             std::string::npos);

@@ -145,7 +145,7 @@ TEST(Reader, RefusesSettings) {
   refuse("<sutura version='2'/>", "'2' is not supported");
   refuse("<scene version='1'/>", "the root element is <scene>");
   refuse("<sutura version='1' dt='0'/>",
-         "dt: '0' is out of range: it must be between 1e-09 and 10 s");
+         "dt: '0' is out of range: it must be between 1e-09 and 10000 s");
   refuse("<sutura version='1' dt='1 m'/>", "dt: '1 m' has the wrong unit");
   refuse("<sutura version='1' duration='-1'/>", "between 0 and 1000000 s");
   refuse("<sutura version='1' gravity='1 2'/>", "gravity: '1 2' has 2 numbers");
@@ -223,7 +223,7 @@ TEST(Overrides, AreCheckedLikeTheFile) {
   refuse("/a.x", "1", "no component /a");
   refuse(".dz", "1", "no attribute 'dz'");
   refuse(".dtt", "1", "did you mean 'dt'?");
-  refuse(".dt", "0", "between 1e-09 and 10 s");
+  refuse(".dt", "0", "between 1e-09 and 10000 s");
   refuse("nonsense", "1", "expected '/path/of/component.attribute=value'");
   refuse("a.radius", "1", "expected '/path/of/component.attribute=value'");
 }

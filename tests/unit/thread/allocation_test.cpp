@@ -68,6 +68,7 @@ struct FallingThread {
     thread.thread_direction = Vec3(-1, 0, 1);  // laid out with a sharp bend
     sutura::Setup setup{diagnostics, {}, {}, context.dt, context.gravity, 1};
     thread.initialise(setup);
+    thread.ready(setup);
   }
   /// Allocations of one step; `event` says whether it changed the nodes.
   long step(bool& event) {

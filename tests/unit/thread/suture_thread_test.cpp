@@ -18,6 +18,7 @@ struct Suture {
   void initialise() {
     Setup setup{diagnostics, {}, {}, 0.01, Vec3::Zero(), 1};
     thread.initialise(setup);
+    thread.ready(setup);
   }
   void steps(int count, Real dt = 0.01, const Vec3& gravity = Vec3::Zero()) {
     for (int i = 0; i < count; ++i) {

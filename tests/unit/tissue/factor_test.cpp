@@ -6,6 +6,10 @@
 
 #include "solver_fixture.h"
 
+// Only where the BLAS of this build is OpenBLAS.
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" int openblas_get_num_threads() __attribute__((weak));
+
 namespace sutura {
 namespace {
 
@@ -38,6 +42,19 @@ TEST_P(FactorOf, SolvesManyColumnsLikeADenseMatrix) {
   MatX x = b;
   f->solve(x);
   EXPECT_LT((x - expected).norm(), solve_tolerance * expected.norm());
+}
+
+// The number of threads is a setting of the whole process, and so the host's.
+TEST_P(FactorOf, LeavesTheThreadsOfBlasAsTheHostHasSetThem) {
+  const bool openblas = openblas_set_num_threads && openblas_get_num_threads;
+  if (openblas) openblas_set_num_threads(2);
+  const auto f = factor();
+  ASSERT_TRUE(f->factorise(A));
+  MatX x = testing::rough_vector(grid.fixed);
+  f->solve(x);
+  if (openblas) {
+    EXPECT_EQ(openblas_get_num_threads(), 2);
+  }
 }
 
 TEST_P(FactorOf, RoughSolvesAreGoodToSinglePrecision) {
@@ -76,7 +93,8 @@ TEST_P(FactorOf, TailComplianceIsTheBlockOfTheInverse) {
   ASSERT_EQ(tail.size(), last.size() - 1);
   const MatX inverse =
       testing::dense(A, grid.fixed).llt().solve(MatX::Identity(3 * A.nodes(), 3 * A.nodes()));
-  const MatX C = f->tail_compliance();
+  MatX C;
+  f->tail_compliance(C);
   ASSERT_EQ(C.rows(), 3 * Index(tail.size()));
   Real worst = 0;
   for (std::size_t a = 0; a < tail.size(); ++a)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "sutura/archive.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
 
@@ -23,6 +24,12 @@ class Curve : public Component, public CurveBody {
   }
   void initialise(Setup&) override { pose_.position = origin_; }
 
+  void archive(Archive& a) override {
+    a("pose", pose_);
+    a("held", held_);
+    a("target", target_);
+  }
+
   // What the hold applies: known numbers.
   static Wrench applied() { return {{1, 2, 3}, {4, 5, 6}}; }
   bool held() const { return held_; }
@@ -32,19 +39,19 @@ class Curve : public Component, public CurveBody {
   int width() const override { return 6; }
   void begin_step(const StepContext&) override {}
   void linearise(const StepContext&, const VecX&) override {}
-  Eigen::Ref<const VecX> change() const override { return still_; }
+  Eigen::Ref<const VecX> change() const override { return no_change_; }
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
     return point(p.weights[0], c);
   }
   void jacobian(const EmbeddedPoint&, PointJacobian& out) const override { out = {}; }
   void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
-  void correct(const StepContext&, const VecX&) override {
+  void correct(const StepContext&, const VecX&) override {}
+  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
+  void end_step(const StepContext&, const VecX&) override {
     if (!held_) return;
     pose_.rotation = target_.rotation;
     pose_.position = target_.position - pose_.rotation * Vec3(hold_at_, 0, 0);
   }
-  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
-  void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }
   Real mass() const override { return 1; }
   Real energy() const override { return 0; }
@@ -82,10 +89,10 @@ class Curve : public Component, public CurveBody {
   Wrench hold_wrench(Index) const override { return applied(); }
 
  private:
-  VecX still_ = VecX::Zero(6);
   Real length_ = 0.1;
   Vec3 origin_ = Vec3::Zero();
   Pose pose_;
+  VecX no_change_ = VecX::Zero(6);
   bool held_ = false;
   Real hold_at_ = 0;
   Pose target_;

@@ -6,46 +6,13 @@
 #include <fstream>
 #include <numbers>
 
-#include "track.h"
-#include "unit/tools/fake_curve.h"
+#include "unit/tools/loaded.h"
 
 namespace sutura::tools {
 namespace {
 
 constexpr Real pi = std::numbers::pi;
 constexpr Real rounding = 1e-14;  // of metres, over a few dozen steps
-
-struct Loaded {
-  Diagnostics diagnostics;
-  Registry registry;
-  std::unique_ptr<Simulation> simulation;
-
-  explicit Loaded(const std::string& elements, const std::filesystem::path& folder = ".") {
-    registry.component<Track>("Track");
-    registry.component<Grasper>("Grasper");
-    registry.component<fake::Curve>("Curve");
-    auto scene = load_scene_text("<sutura version=\"1\" dt=\"0.1 s\">" + elements + "</sutura>",
-                                 "test.xml", folder, registry, diagnostics);
-    if (scene) simulation = Simulation::compile(std::move(scene), ".", diagnostics);
-  }
-  std::string messages() const {
-    std::string out;
-    for (const Diagnostic& d : diagnostics.all()) out += d.text() + "\n";
-    return out;
-  }
-  template <class T>
-  T& get(const char* path) const {
-    return dynamic_cast<T&>(*simulation->find(path));
-  }
-  template <class V>
-  V output(const char* path, const std::string& name) const {
-    const Component& c = *simulation->find(path);
-    for (const OutputInfo& o : c.info().outputs) {
-      if (o.name == name) return std::get<V>(o.read(c));
-    }
-    throw std::runtime_error("no output " + name);
-  }
-};
 
 TEST(Grasper, NothingMovesWhenTheJawsClose) {
   const Loaded s(

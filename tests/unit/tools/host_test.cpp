@@ -1,71 +1,117 @@
-// A host leads a tool and works its jaws: the section goes where the host says, step by step.
-#include <gtest/gtest.h>
+// Tools led by a host: by inputs that are described, and by the functions of tool.h.
+#include <numbers>
 
-#include "grasper.h"
-#include "track.h"
-#include "unit/tools/fake_curve.h"
+#include "sutura/tool.h"
+#include "unit/tools/loaded.h"
 
 namespace sutura::tools {
 namespace {
 
-constexpr Real rounding = 1e-14;  // m, of a few dozen sums of millimetres
+constexpr Real rounding = 1e-14;  // of metres, over a few dozen steps
+const std::string scene =
+    "<Curve name='rod' length='100 mm'/>"
+    "<Grasper name='jaws' at='40 mm'/>"  // before its track: drivers follow links
+    "<Track name='tool' times='0 1 s' positions='0 0 0  10 0 5 mm' rotations='0 0 0  0 0 90 deg'"
+    " centre='0 50 0 mm'/>";
 
-class Host : public testing::Test {
- protected:
-  Host() {
-    registry_.component<Track>("Track");
-    registry_.component<Grasper>("Grasper");
-    registry_.component<fake::Curve>("Curve");
-    auto scene = load_scene_text(
-        "<sutura version='1' dt='0.1 s'><Grasper name='jaws' at='30 mm'/>"
-        "<Curve name='rod' length='100 mm'/>"
-        "<Track name='tool' times='0 1 s' positions='0 0 0  0 0 10 mm'/></sutura>",
-        "test.xml", ".", registry_, diagnostics_);
-    simulation_ = Simulation::compile(std::move(scene), ".", diagnostics_);
-    tool_ = dynamic_cast<Tool*>(simulation_->find("/tool"));
-    jaws_ = dynamic_cast<Jaws*>(simulation_->find("/jaws"));
-    rod_ = dynamic_cast<fake::Curve*>(simulation_->find("/rod"));
+TEST(Host, WhoTellsTheTrackWhatItsKeysSayChangesNothing) {
+  const Loaded keys(scene), told(scene);
+  ASSERT_TRUE(keys.simulation && told.simulation) << keys.messages();
+  for (int step = 1; step <= 12; ++step) {
+    const Real u = std::min(0.1 * step, 1.0);
+    EXPECT_EQ(told.set("/tool.position", Vec3(0.01 * u, 0.05, 0.005 * u)), "");
+    EXPECT_EQ(told.set("/tool.rotation", Vec3(0, 0, u * std::numbers::pi / 2)), "");
+    keys.simulation->step();
+    told.simulation->step();
+    for (const Real s : {0.0, 0.1}) {
+      const Vec3 expected = keys.get<fake::Curve>("/rod").point(s, Configuration::current);
+      EXPECT_LT((told.get<fake::Curve>("/rod").point(s, Configuration::current) - expected).norm(),
+                rounding)
+          << step;
+    }
   }
-  Vec3 section() const { return rod_->point(30e-3, Configuration::current); }
-  static Pose moved(const Vec3& by) { return {by, Quat::Identity()}; }
-
-  Registry registry_;
-  Diagnostics diagnostics_;
-  std::unique_ptr<Simulation> simulation_;
-  Tool* tool_ = nullptr;
-  Jaws* jaws_ = nullptr;
-  fake::Curve* rod_ = nullptr;
-};
-
-TEST_F(Host, LeadsTheSectionInPlaceOfTheKeyFrames) {
-  const Vec3 start = section();
-  simulation_->step();  // by key frames: a tenth of 10 mm
-  EXPECT_LT((section() - start - Vec3(0, 0, 1e-3)).norm(), rounding);
-  tool_->lead(moved({5e-3, 0, 1e-3}));
-  simulation_->step();
-  EXPECT_LT((section() - start - Vec3(5e-3, 0, 1e-3)).norm(), rounding);
-  simulation_->step();  // not led on: it stays
-  EXPECT_LT((section() - start - Vec3(5e-3, 0, 1e-3)).norm(), rounding);
-  tool_->lead(moved({9e-3, 9e-3, 9e-3}));
-  tool_->lead(moved({0, 0, 0}));  // the last word before the step holds
-  simulation_->step();
-  EXPECT_LT((section() - start).norm(), rounding);
 }
 
-TEST_F(Host, OpensAndClosesTheJaws) {
-  const Vec3 start = section();
-  jaws_->open();
-  simulation_->step();
-  EXPECT_FALSE(jaws_->closed());
-  EXPECT_LT((section() - start).norm(), rounding) << "the tool moved without it";
-  jaws_->close();
-  tool_->lead(moved({0, 0, 1e-3}));  // where the key frames have brought it: nothing to follow
-  simulation_->step();
-  EXPECT_TRUE(jaws_->closed());
-  EXPECT_LT((section() - start).norm(), rounding) << "what is gripped does not jump";
-  tool_->lead(moved({0, 2e-3, 1e-3}));
-  simulation_->step();
-  EXPECT_LT((section() - start - Vec3(0, 2e-3, 0)).norm(), rounding);
+TEST(Host, ATrackThatWasToldStaysThere) {
+  const Loaded s(scene);
+  ASSERT_TRUE(s.simulation) << s.messages();
+  auto* tool = dynamic_cast<Tool*>(s.simulation->find("/tool"));
+  ASSERT_NE(tool, nullptr);
+  const Pose there{Vec3(1e-3, 2e-3, 3e-3), Quat::Identity()};
+  tool->move_to(there);
+  for (int step = 0; step < 3; ++step) s.simulation->step();
+  EXPECT_EQ(tool->pose().position, there.position);
+  EXPECT_LT((s.output<Vec3>("/jaws", "target") - Vec3(0.041, 2e-3, 3e-3)).norm(), rounding);
+}
+
+TEST(Host, JawsOpenAndCloseWhenTold) {
+  const Loaded s(scene);
+  ASSERT_TRUE(s.simulation) << s.messages();
+  auto* jaws = dynamic_cast<Jaws*>(s.simulation->find("/jaws"));
+  const auto& rod = s.get<fake::Curve>("/rod");
+  s.simulation->step();
+  EXPECT_TRUE(jaws->holding());  // by the schedule
+  EXPECT_EQ(s.set("/jaws.hold", Real(0)), "");
+  const Vec3 left = rod.point(0, Configuration::current);
+  s.simulation->step();
+  s.simulation->step();
+  EXPECT_FALSE(jaws->holding());
+  EXPECT_FALSE(rod.held());
+  EXPECT_EQ(rod.point(0, Configuration::current), left);
+  jaws->grasp();
+  s.simulation->step();
+  EXPECT_TRUE(rod.held());
+  // Taken where it lies, then carried along one step of the tool: no jump to the old grip.
+  EXPECT_LT((rod.point(0, Configuration::current) - left).norm(), 0.012);
+  EXPECT_GT((rod.point(0, Configuration::current) - left).norm(), 0.001);
+}
+
+TEST(Host, ATimeOfReleaseCountsAgainAfterTheHost) {
+  const Loaded s(
+      "<Curve name='rod'/><Track name='tool' times='0'/>"
+      "<Grasper name='jaws' grasp='0 s' release='0.5 s'/>");
+  ASSERT_TRUE(s.simulation) << s.messages();
+  s.simulation->step();
+  s.get<Grasper>("/jaws").release();
+  s.simulation->step();
+  s.get<Grasper>("/jaws").grasp();
+  s.simulation->step();
+  EXPECT_TRUE(s.get<Grasper>("/jaws").holding());
+  for (int step = 3; step < 6; ++step) s.simulation->step();  // the step from 0.5 s on
+  EXPECT_FALSE(s.get<Grasper>("/jaws").holding());
+}
+
+TEST(Host, WhatItHasSetIsPartOfTheState) {
+  const Loaded s(scene), other(scene);
+  ASSERT_TRUE(s.simulation && other.simulation) << s.messages();
+  for (int step = 0; step < 3; ++step) s.simulation->step();
+  EXPECT_EQ(s.set("/tool.position", Vec3(0.02, 0.05, 0)), "");
+  EXPECT_EQ(s.set("/jaws.hold", Real(0)), "");
+  const auto state = s.simulation->save();
+  EXPECT_EQ(other.simulation->restore(state), "");
+  for (int step = 0; step < 3; ++step) {
+    s.simulation->step();
+    other.simulation->step();
+  }
+  EXPECT_TRUE(s.simulation->save() == other.simulation->save());
+  EXPECT_EQ(other.output<Real>("/jaws", "holding"), 0);
+}
+
+TEST(Host, WrongValuesAndNamesAreSentences) {
+  const Loaded s(scene);
+  ASSERT_TRUE(s.simulation) << s.messages();
+  EXPECT_EQ(s.set("/jaws.hold", Real(2)), "'hold' cannot be 2; expected 0 to 1");
+  EXPECT_EQ(s.set("/jaws.hold", Vec3(1, 1, 1)), "'hold' takes one number");
+  EXPECT_EQ(s.set("/tool.position", Real(1)), "'position' takes three numbers");
+  const Real nan = std::numeric_limits<Real>::quiet_NaN();
+  EXPECT_NE(s.set("/tool.position", Vec3(0, nan, 0)).find("a finite number"), std::string::npos);
+  EXPECT_EQ(s.set("/tool.positon", Vec3::Zero()),
+            "Track '/tool' has no input 'positon'; did you mean 'position'?; it has position, "
+            "rotation");
+  EXPECT_EQ(s.set("/rod.tip", Vec3::Zero()), "Curve '/rod' has no input 'tip'; it has none");
+  EXPECT_NE(s.set("/tol.position", Vec3::Zero()).find("did you mean '/tool'?"), std::string::npos);
+  EXPECT_NE(s.set("position", Vec3::Zero()).find("expected a component and its input"),
+            std::string::npos);
 }
 
 }  // namespace

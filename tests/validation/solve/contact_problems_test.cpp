@@ -102,7 +102,9 @@ TEST(ContactProblems, CoulombByTheReferenceSolver) {
 }
 
 TEST(ContactProblems, CoulombByGaussSeidel) {
-  for (const auto& j : problems()["coulomb"]) {
+  const auto all = problems()["coulomb"];
+  ASSERT_EQ(all.size(), 22u);
+  for (const auto& j : all) {
     const bool large = j["mu"].size() >= 10;
     for (const Acceleration a : {Acceleration::none, Acceleration::nncg, Acceleration::subspace}) {
       ConstraintProblem p = coulomb(j);

@@ -37,9 +37,10 @@ TEST(FreeFall, ThreadFollowsTheIntegratorExactly) {
 }
 
 TEST(FreeFall, NeedleAndThreadFallTogether) {
-  const SutureShape shape{
-      .needle_length = 26e-3, .needle_angle = std::numbers::pi, .thread_length = 0.1,
-      .thread_rest = {}};
+  const SutureShape shape{.needle_length = 26e-3,
+                          .needle_angle = std::numbers::pi,
+                          .thread_length = 0.1,
+                          .thread_rest = {}};
   RodLayout layout;
   for (Index i = 0; i <= 62; ++i) {
     const Real s =

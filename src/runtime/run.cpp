@@ -1,0 +1,85 @@
+#include "sutura/run.h"
+
+#include <chrono>
+#include <cmath>
+
+namespace sutura {
+namespace {
+
+/// Enough steps to reach the duration; 1e-6 of a step forgives the rounding of both.
+Index steps_for(Real duration, Real dt) {
+  constexpr Index most_steps = 1000000000;
+  const Real steps = std::ceil(duration / dt - 1e-6);
+  return steps < static_cast<Real>(most_steps) ? static_cast<Index>(steps) : most_steps;
+}
+
+/// 0 if nobody says how long.
+Index last_step(const RunOptions& options, const Scene& scene) {
+  if (options.steps) return *options.steps;
+  const Real duration = options.duration.value_or(scene.duration);
+  return duration > 0 ? steps_for(duration, scene.dt) : 0;
+}
+
+/// Begins to record, or goes on; an error sentence or empty.
+std::string begin(Simulation& simulation, const RunOptions& options) {
+  if (options.resume.empty()) return simulation.start_recording();
+  const std::string error = simulation.restore(options.resume);
+  return error.empty() ? simulation.resume_recording() : error;
+}
+
+}  // namespace
+
+std::filesystem::path checkpoint_file(const std::filesystem::path& output) {
+  return output / "checkpoint.sutura";
+}
+
+RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
+                    Diagnostics& diagnostics, const RunObserver& observer) {
+  RunResult result;
+  result.steps = last_step(options, *scene);
+  if (result.steps == 0) {
+    result.end = RunEnd::no_end;
+    return result;
+  }
+  const auto simulation =
+      Simulation::compile(std::move(scene), options.output, diagnostics, options.allow_outside);
+  if (!simulation) {
+    result.end = RunEnd::refused;
+    return result;
+  }
+  const auto fail = [&result](RunEnd end, std::string message) {
+    if (result.message.empty()) {
+      result.end = end;
+      result.message = std::move(message);
+    }
+  };
+  if (std::string error = begin(*simulation, options); !error.empty())
+    fail(RunEnd::file_failed, std::move(error));
+  result.first = result.last = simulation->report().step;
+
+  const Real dt = simulation->scene().dt;
+  const Index interval = options.checkpoint_every > 0 ? steps_for(options.checkpoint_every, dt) : 0;
+  const auto begun = std::chrono::steady_clock::now();
+  while (result.message.empty() && result.last < result.steps) {
+    const StepReport& report = simulation->step();
+    result.last = report.step;
+    if (!report.finite)
+      fail(RunEnd::diverged,
+           "diverged: the state is no longer finite after step " + std::to_string(report.step));
+    else if (!simulation->record_error().empty())
+      fail(RunEnd::file_failed, simulation->record_error());
+    else if (interval > 0 && report.step % interval == 0)
+      if (std::string error = simulation->save(checkpoint_file(options.output)); !error.empty())
+        fail(RunEnd::file_failed, std::move(error));
+    if (observer && !observer(*simulation, report, result)) {
+      if (result.message.empty()) result.end = RunEnd::stopped;
+      break;
+    }
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  if (std::string error = simulation->finish_recording(); !error.empty())
+    fail(RunEnd::file_failed, std::move(error));
+  return result;
+}
+
+}  // namespace sutura
