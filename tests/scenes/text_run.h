@@ -36,7 +36,7 @@ class TextRun {
                               .overrides = std::move(overrides)};
     run.compile(
         load_scene(SUTURA_SOURCE_DIR "/scenes/" + name, run.registry_, run.diagnostics_, options));
-    for (const Diagnostic& d : run.diagnostics_.all()) ADD_FAILURE() << d.text();
+    EXPECT_TRUE(run.diagnostics_.ok()) << run.said();
     return run;
   }
   TextRun(TextRun&&) = default;
