@@ -148,7 +148,7 @@ TEST(StepChecks, FindWhatIsWrong) {
   WatchedStep watched;
   run.solver().look = [&](const ConstraintProblem& before, const ConstraintProblem& after,
                           const SolveReport&) { watched.look(before, after); };
-  const auto check = [&](const StepReport& report) {
+  const auto check = [&](const StepReport&) {
     std::string who;
     const ConstraintProblem start = watched.start();
     if (punctures(start, watched.after).entries > 0) ++punctured;

@@ -37,16 +37,4 @@ struct PunctureCount {
 };
 PunctureCount punctures(const ConstraintProblem& start, const ConstraintProblem& solved);
 
-/// Solves the same problem by the reference solver, from zero force and the modes of the start.
-struct EventCheck {
-  enum class Verdict { agree, undecided, several, unsolved, wrong } verdict = Verdict::agree;
-  Index events = 0;  ///< of the reference
-  std::string text;
-};
-/// agree: the same blocks fired the same events. undecided: before the first event in which they
-/// differ both have the same forces, and the event is at its threshold to within `tolerance` (N or
-/// 1e-3 m/N of it). several: the laws have more than one solution there: both answers, checked to
-/// 1e-7, are at rest and differ by more than that. unsolved: the reference did not converge.
-EventCheck check_events(const ConstraintProblem& start, const ConstraintProblem& solved);
-
 }  // namespace sutura::testing
