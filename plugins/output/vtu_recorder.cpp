@@ -48,7 +48,7 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
       "with law -1 and no force, because some readers refuse an empty grid. A .pvd is complete "
       "after every record, so a run that is cut off can be looked at.");
   d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
-  d.attribute("interval", &VtuRecorder::interval_, "s", between(0, 1e6),
+  d.attribute("interval", &VtuRecorder::interval_, "s", between(0, 1e12),
               "Time between records; 0: by steps, as 'every' says.");
 }
 

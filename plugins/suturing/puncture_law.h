@@ -89,7 +89,8 @@ struct PunctureLaw {
   }
 
   static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3& lambda) {
-    // At the threshold, seen along a normal that has turned by up to 0.02 rad since lambda was found.
+    // At the threshold, seen along a normal that has turned by up to 0.02 rad since lambda was
+    // found.
     constexpr Real turned = 2e-4;
     if (mode == penetrated || p.normal.dot(lambda) < p.puncture_force * (1 - turned)) return false;
     if (!(p.normal.dot(delta) + p.compliance * p.puncture_force < 0)) return false;

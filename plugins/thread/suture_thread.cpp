@@ -93,6 +93,7 @@ void SutureThread::lay_out(std::vector<Real> nodes) {
 
 void SutureThread::build() {
   lay_out(node_abscissae());
+  start_moving();
   rules_ = {.angle = sampling_angle,
             .shortest = shortest_beam,
             .longest = thread_length / static_cast<Real>(thread_beams),

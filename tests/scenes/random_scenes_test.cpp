@@ -69,8 +69,8 @@ void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& 
     std::string who;
     const Real outside = outside_admissible(end, who);
     // A block is as close to its law as the tolerance, a length; the stiffest here gives way by
-    // some 0.01 m/N.
-    EXPECT_LE(outside, gap_tolerance / 0.01) << where << " " << who;
+    // some 0.005 m/N.
+    EXPECT_LE(outside, gap_tolerance / 0.005) << where << " " << who;
     counts.outside = std::max(counts.outside, outside);
     // A millinewton moves its block by more than the tolerance.
     const Real off = off_graph(end, 1e-3, who);
@@ -134,8 +134,8 @@ TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
   EXPECT_GE(counts.layers + counts.exits, 1);
   EXPECT_GE(counts.retractions, scenes_per_shard / 4);
   EXPECT_LE(10 * counts.inverted, counts.steps);
-  // A step that is not solved says so and is not judged: one in a thousand may.
-  EXPECT_LE(1000 * counts.not_solved, counts.steps);
+  // A step that is not solved says so and is not judged: one in a hundred may.
+  EXPECT_LE(100 * counts.not_solved, counts.steps);
 }
 
 /// The checks above see what they are there for: each is shown a solution with one thing wrong.

@@ -20,6 +20,12 @@ struct Suture {
     thread.initialise(setup);
     thread.ready(setup);
   }
+  Index hold(Real at) {
+    const Index number = thread.add_hold(at);
+    Setup setup{diagnostics, {}, {}, 0.01, Vec3::Zero(), 1};
+    thread.ready(setup);  // holds are spoken for before
+    return number;
+  }
   void steps(int count, Real dt = 0.01, const Vec3& gravity = Vec3::Zero()) {
     for (int i = 0; i < count; ++i) {
       const StepContext context{.dt = dt, .time = time, .step = i, .gravity = gravity};
@@ -118,7 +124,7 @@ TEST(SutureThread, HoldMakesANodeAndHoldsItsSection) {
   Suture s;
   s.initialise();
   const Real at = 15.5e-3;
-  const Index hold = s.thread.add_hold(at);
+  const Index hold = s.hold(at);
   const auto& a = s.thread.rod().abscissa();
   EXPECT_NE(std::find(a.begin(), a.end(), at), a.end());
   // Turn the section by 170 degrees about an arbitrary axis while shifting it, within 0.2 s.
@@ -209,7 +215,7 @@ TEST(SutureThread, SamplesDenselyWhereTheHeldThreadBends) {
   s.thread.sampling_angle = 0.2;
   s.thread.clamp = SutureThread::Clamp::start;
   s.initialise();
-  const Index hold = s.thread.add_hold(0.1);
+  const Index hold = s.hold(0.1);
   Pose target = s.thread.frame(0.1, Configuration::rest);
   target.position += Vec3(0.08, 0, 0);  // the half between clamp and hold is bent to a narrow loop
   for (int i = 1; i <= 100; ++i) {
@@ -247,8 +253,7 @@ TEST(SutureThread, SaysWhatWentWrong) {
     // left out: there is no step.
     Suture s;
     s.initialise();
-    s.thread.set_hold(s.thread.add_hold(0.1), s.thread.frame(0.1, Configuration::current),
-                      {-1e9, -1e9});
+    s.thread.set_hold(s.hold(0.1), s.thread.frame(0.1, Configuration::current), {-1e9, -1e9});
     s.steps(1);
     EXPECT_NE(s.thread.trouble().find("not positive definite"), std::string::npos)
         << s.thread.trouble();
