@@ -100,7 +100,7 @@ class Rod {
   /// that turns a beam too far.
   void correct(const Dofs& force_change);
   /// Of the guess under `force` of constraints.
-  Imbalance imbalance(const Dofs& force) const;
+  Imbalance imbalance(const Dofs& force);
   /// The guess is the end of the step, which had this force of constraints.
   void end_step(const Dofs& force);
   /// A whole step under `force` alone, in passes until its relative imbalance is below `tolerance`.
@@ -147,6 +147,7 @@ class Rod {
   void take_velocity();
   void evaluate_guess();
   Real potential() const;
+  bool buckles();
   void add_beam_balance(Index e);
   void add_spring_balance();
   Wrench spring_wrench(const NodeSpring& spring) const;

@@ -307,7 +307,7 @@ Real Rod::potential() const {
   return sum;
 }
 
-Imbalance Rod::imbalance(const Dofs& force) const {
+Imbalance Rod::imbalance(const Dofs& force) {
   Imbalance worst;
   const Real everywhere = *std::max_element(at_work_.begin(), at_work_.end());
   for (Index i = 0; i < nodes(); ++i) {
@@ -320,7 +320,25 @@ Imbalance Rod::imbalance(const Dofs& force) const {
     const Real relative = scale > 0 ? size / scale : 0;
     if (!(relative <= worst.relative)) worst.relative = relative;
   }
+  if (worst.relative < 1 && force.isZero(0) && buckles()) worst.relative = 1;
   return worst;
+}
+
+/// Whether the guess is a saddle of the potential and not a minimum, as a straight rod is that is
+/// pushed together. Asked only of a rod without constraints: they may hold it there. Overwrites the
+/// matrix of the step, which the next pass assembles anew.
+bool Rod::buckles() {
+  bool compressed = false;
+  for (Index e = 0; e < beams() && !compressed; ++e) {
+    const ElementRest& r = elements_[e];
+    // A straight beam that inertia alone holds sideways buckles at 2 sqrt(EI m / L) / h.
+    const Real least = std::sqrt(r.bend_1 * r.mass) / dt_;
+    compressed = states_[e].tension < -least;
+  }
+  if (!compressed) return false;
+  for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
+  assemble(Tangent::exact);
+  return !matrix_.factor();
 }
 
 void Rod::end_step(const Dofs& force) {
