@@ -133,6 +133,9 @@ class Body {
   virtual void correct(const StepContext& context, const VecX& force_change) = 0;
   /// Stage measure: what the guess lacks of balance under this constraint force.
   virtual Imbalance imbalance(const StepContext& context, const VecX& force) = 0;
+  /// Once the guess is balanced: where it is no minimum of the body's potential (a straight thread
+  /// pushed together), moves it on to where that is lower and returns true.
+  virtual bool leave_saddle() { return false; }
   /// Linearisations that a step takes at least, whatever the imbalance.
   virtual Index least_passes() const { return 1; }
   /// The guess is the end of the step. `force`: of the constraints on it.

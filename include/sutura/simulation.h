@@ -145,6 +145,7 @@ class Simulation {
   void pass(const StepContext& context, Timer& timer);
   void build(const StepContext& context, Timer& timer);
   bool measure(const StepContext& context);
+  bool leave_saddles();
   void constraint_force(std::size_t body);
   void note_fault(const std::string& path, const std::string& fault);
   void accept(const StepContext& context, bool solved, Timer& timer);

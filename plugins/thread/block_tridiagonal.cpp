@@ -1,5 +1,6 @@
 #include "block_tridiagonal.h"
 
+#include <Eigen/Eigenvalues>
 #include <cassert>
 #include <cmath>
 
@@ -69,13 +70,30 @@ void BlockTridiagonal::fix(Index i, Index dof) {
 
 bool BlockTridiagonal::factor(bool indefinite) {
   const Index n = blocks();
-  Mat6 s = diagonal_[0];
+  pivot_ = diagonal_[0];
   for (Index i = 0;; ++i) {
-    if (!invert6(s, inverse_[i], indefinite)) return false;
+    pivot_block_ = i;
+    if (!invert6(pivot_, inverse_[i], indefinite)) return false;
     if (i + 1 == n) return true;
     transfer_[i].noalias() = inverse_[i] * upper_[i];
-    s = diagonal_[i + 1];
-    s.noalias() -= upper_[i].transpose() * transfer_[i];
+    pivot_ = diagonal_[i + 1];
+    pivot_.noalias() -= upper_[i].transpose() * transfer_[i];
+  }
+}
+
+/// With x_k = v at the block that failed, x_i = -T_i x_{i+1} before and 0 after it, x^T A x = v^T
+/// S_k v.
+void BlockTridiagonal::negative_direction(Real scale, Eigen::Ref<VecX> x) const {
+  Vec6 units = Vec6::Ones();
+  units.tail<3>() /= scale;
+  const Mat6 pivot = units.asDiagonal() * pivot_ * units.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat6> modes(pivot);
+  x.setZero();
+  Vec6 next = units.asDiagonal() * modes.eigenvectors().col(0);
+  x.segment<6>(6 * pivot_block_) = next;
+  for (Index i = pivot_block_; i-- > 0;) {
+    next = -(transfer_[i] * next).eval();
+    x.segment<6>(6 * i) = next;
   }
 }
 

@@ -36,6 +36,9 @@ class BlockTridiagonal {
   /// False if the matrix is not positive definite (or not finite); the factor is then useless.
   /// `indefinite`: any regular pivots will do (no pivoting; for Newton at an unstable equilibrium).
   bool factor(bool indefinite = false);
+  /// After factor() found no positive definite matrix: some x with x^T A x < 0, or one that is not
+  /// finite. `scale` of a block's first and last three dofs against each other (a length).
+  void negative_direction(Real scale, Eigen::Ref<VecX> x) const;
 
   /// x <- A^-1 x; size 6 blocks(). No allocation.
   void solve(Eigen::Ref<VecX> x) const;
@@ -53,6 +56,8 @@ class BlockTridiagonal {
 
  private:
   std::vector<Mat6> diagonal_, upper_, inverse_, transfer_;  // D, C, S^-1, T
+  Mat6 pivot_ = Mat6::Zero();  ///< S of the block at which factor() ended
+  Index pivot_block_ = 0;
 };
 
 }  // namespace sutura::thread

@@ -10,9 +10,10 @@ struct NodeRates {
   Vec3 v, tangent, spin;
 };
 
-/// The twelve numbers M (a, b) of one element.
+/// The twelve numbers M (a, b) of one element, and their product with (a, b).
 struct MassTimes {
   Vec3 xa, sa, xb, sb;
+  Real squared;
   MassTimes(const ElementMass& m, const ElementState& s, const NodeRates& a, const NodeRates& b) {
     xa = m.same * a.v + m.other * b.v + m.couple_same * a.tangent + m.couple_other * b.tangent;
     xb = m.same * b.v + m.other * a.v - m.couple_same * b.tangent - m.couple_other * a.tangent;
@@ -22,8 +23,11 @@ struct MassTimes {
                     m.spin_other * a.tangent;
     const Vec3 la = m.roll_same * a.spin + m.roll_other * b.spin;
     const Vec3 lb = m.roll_same * b.spin + m.roll_other * a.spin;
-    sa = s.ta.cross(ta) + la + s.e.dot(la) * s.e;
-    sb = s.tb.cross(tb) + lb + s.e.dot(lb) * s.e;
+    const Vec3 ra = la + s.e.dot(la) * s.e, rb = lb + s.e.dot(lb) * s.e;
+    sa = s.ta.cross(ta) + ra;
+    sb = s.tb.cross(tb) + rb;
+    squared = xa.dot(a.v) + xb.dot(b.v) + ta.dot(a.tangent) + tb.dot(b.tangent) + ra.dot(a.spin) +
+              rb.dot(b.spin);
   }
   MassTimes(const ElementMass& m, const ElementState& s, const Vec3& va, const Vec3& wa,
             const Vec3& vb, const Vec3& wb)
@@ -41,8 +45,7 @@ struct ElementVelocity {
 };
 
 inline Real kinetic(const ElementMass& m, const ElementState& s, const ElementVelocity& v) {
-  const MassTimes p(m, s, v.va, v.wa, v.vb, v.wb);
-  return (p.xa.dot(v.va) + p.sa.dot(v.wa) + p.xb.dot(v.vb) + p.sb.dot(v.wb)) / 2;
+  return MassTimes(m, s, v.va, v.wa, v.vb, v.wb).squared / 2;
 }
 
 }  // namespace sutura::thread

@@ -16,6 +16,7 @@
 #include "block_tridiagonal.h"
 #include "dof_vector.h"
 #include "element.h"
+#include "element_mass.h"
 #include "sutura/body.h"
 
 namespace sutura::thread {
@@ -100,7 +101,10 @@ class Rod {
   /// that turns a beam too far.
   void correct(const Dofs& force_change);
   /// Of the guess under `force` of constraints.
-  Imbalance imbalance(const Dofs& force);
+  Imbalance imbalance(const Dofs& force) const;
+  /// A balanced guess that is no minimum of the potential moves on to where that is lower. False if
+  /// it is a minimum, or if constraints push the rod: they may hold it there.
+  bool leave_saddle();
   /// The guess is the end of the step, which had this force of constraints.
   void end_step(const Dofs& force);
   /// A whole step under `force` alone, in passes until its relative imbalance is below `tolerance`.
@@ -112,6 +116,14 @@ class Rod {
   /// (element.h).
   enum class Tangent { exact, convex };
   void assemble(Tangent tangent);
+  /// Of which the end of the step is a minimum, under the force that `linearise` was given (J).
+  Real potential() const;
+  /// Its derivative by the velocity at the guess, with the sign changed: what momentum is missing
+  /// (N s, N m s; 6 per node). Short of the turn of a section in the step, which is taken for
+  /// small.
+  VecX missing() const { return missing_ + dt_ * force_; }
+  /// Another guess of the velocity at the end of the step (m/s, rad/s; 6 per node).
+  void guess(const VecX& velocity);
   bool factor();
 
   struct StaticReport {
@@ -146,9 +158,9 @@ class Rod {
   void keep_lengths();
   void take_velocity();
   void evaluate_guess();
-  Real potential() const;
   bool buckles();
   void add_beam_balance(Index e);
+  ElementGradient damping(Index e, const ElementVelocity& v) const;
   void add_spring_balance();
   Wrench spring_wrench(const NodeSpring& spring) const;
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& v,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "element_mass.h"
 #include "rod.h"
 
 namespace sutura::thread {
@@ -108,17 +107,11 @@ void Rod::add_beam_balance(Index e) {
     sb -= r.length / 12 * s.tb.cross(weight);
   }
   if (damping_stiffness > 0) {
-    ElementMatrix k;
-    ElementState predicted = s;
-    predicted.tension = tension_[e];
-    step_stiffness(r, predicted, k);
-    const Real c = dt_ * damping_stiffness;
-    const Vec3 dv = v.vb - v.va;
-    const Vec3 f = c * (k.vv * dv + k.va * v.wa + k.vb * v.wb);
-    xa += f;
-    xb -= f;
-    sa -= c * (k.va.transpose() * dv + k.aa * v.wa + k.ab * v.wb);
-    sb -= c * (k.vb.transpose() * dv + k.ab.transpose() * v.wa + k.bb * v.wb);
+    const ElementGradient d = damping(e, v);
+    xa += dt_ * d.v;
+    xb -= dt_ * d.v;
+    sa -= dt_ * d.a;
+    sb -= dt_ * d.b;
   }
   // Change of momentum. The rate of the tangents is compared as a vector: so linear momentum is
   // kept exactly while they turn.
@@ -139,6 +132,19 @@ void Rod::add_beam_balance(Index e) {
   at_work_[e + 1] += inner + g.b.norm() / r.length + p.xb.norm() / dt_ + outer;
 }
 
+/// beta K v of one beam.
+ElementGradient Rod::damping(Index e, const ElementVelocity& v) const {
+  ElementMatrix k;
+  ElementState predicted = states_[e];
+  predicted.tension = tension_[e];
+  step_stiffness(elements_[e], predicted, k);
+  const Vec3 dv = v.vb - v.va;
+  const Real c = damping_stiffness;
+  return {c * (k.vv * dv + k.va * v.wa + k.vb * v.wb),
+          c * (k.va.transpose() * dv + k.aa * v.wa + k.ab * v.wb),
+          c * (k.vb.transpose() * dv + k.ab.transpose() * v.wa + k.bb * v.wb)};
+}
+
 void Rod::add_spring_balance() {
   for (const NodeSpring& spring : springs_) {
     if (!spring.active) continue;
@@ -155,6 +161,18 @@ Wrench Rod::spring_wrench(const NodeSpring& spring) const {
           spring.stiffness.rotation * rotation_between(p.rotation, spring.target.rotation)};
 }
 
+namespace {
+
+/// (1 - share) a + share b.
+void blend(ElementMatrix& a, const ElementMatrix& b, Real share) {
+  const auto mix = [share](Mat3& x, const Mat3& y) { x += share * (y - x); };
+  mix(a.vv, b.vv), mix(a.va, b.va), mix(a.vb, b.vb);
+  mix(a.aa, b.aa), mix(a.ab, b.ab), mix(a.bb, b.bb);
+}
+
+}  // namespace
+
+/// Damping is by the convex part, in both tangents.
 void Rod::assemble(Tangent tangent) {
   const Real mass_factor = 1 + dt_ * damping_mass;
   const Real stiffness_factor = dt_ * (dt_ + damping_stiffness);
@@ -165,10 +183,12 @@ void Rod::assemble(Tangent tangent) {
     ElementState& s = states_[e];
     const Real tension = s.tension;
     s.tension = tension_[e];
-    if (tangent == Tangent::exact)
+    if (tangent == Tangent::convex || damping_stiffness > 0) step_stiffness(elements_[e], s, k);
+    if (tangent == Tangent::exact) {
+      const ElementMatrix convex = k;
       hessian(elements_[e], s, k);
-    else
-      step_stiffness(elements_[e], s, k);
+      if (damping_stiffness > 0) blend(k, convex, damping_stiffness / (dt_ + damping_stiffness));
+    }
     s.tension = tension;
 
     Mat6& da = matrix_.diagonal(e);
@@ -229,12 +249,12 @@ bool Rod::factor() {
 }
 
 bool Rod::linearise(const Dofs& force) {
+  force_ = force;
   assemble(Tangent::exact);
   if (!matrix_.factor()) {  // something buckles: go downhill
     assemble(Tangent::convex);
     if (!factor()) return false;
   }
-  force_ = force;
   change_ = missing_ + dt_ * force;
   for (const Index node : clamped_) change_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(change_));
@@ -254,15 +274,32 @@ void Rod::predict_tension(const Dofs& step, Real part) {
   }
 }
 
+namespace {
+
+/// The change of a rotation vector by which the section that it has turned turns a little further.
+/// Rotations do not add: this is the inverse of the derivative of the exponential map, to third
+/// order in the vector.
+Vec3 as_change_of_spin(const Vec3& turned, const Vec3& further) {
+  if (turned.squaredNorm() > 1) return further;
+  const Vec3 across = turned.cross(further);
+  return further - across / 2 + turned.cross(across) / 12;
+}
+
+}  // namespace
+
 void Rod::correct(const Dofs& force_change) {
+  force_ += force_change;
   answer_ = force_change;
   for (const Index node : clamped_) answer_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(answer_));
   answer_ = dt_ * (change_ + dt_ * answer_);
-  force_ += force_change;
   const Real turn = largest_turn(pose_, answer_);
   Real part = std::min(1., turn_limit / turn);
   predict_tension(answer_, part);
+  for (Index i = 0; i < nodes(); ++i) {
+    Eigen::Ref<Vec3> turned = answer_.segment<3>(6 * i + 3);
+    turned = as_change_of_spin(dt_ * velocity_.segment<3>(6 * i + 3), turned);
+  }
   // Passes may lift the potential on their best way, as long as they contract: a turn fakes
   // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
   const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
@@ -276,38 +313,17 @@ void Rod::correct(const Dofs& force_change) {
   last_turn_ = turn;
 }
 
+void Rod::guess(const VecX& velocity) {
+  velocity_ = velocity;
+  take_velocity();
+}
+
 void Rod::take_velocity() {
   move(start_, start_twist_, velocity_, dt_, pose_, twist_);
   evaluate_guess();
 }
 
-/// Of which the end of the step is the minimum, forces of constraints and loads held as they are:
-/// elastic energy and weight, springs, and half the squared change of velocity in the norm of the
-/// mass.
-Real Rod::potential() const {
-  Real sum = -dt_ * force_.dot(velocity_);
-  if (load_.size() == force_.size()) sum -= dt_ * load_.dot(velocity_);
-  for (Index e = 0; e < beams(); ++e) {
-    const ElementState& s = states_[e];
-    const ElementVelocity v(velocity_, e), old(start_velocity_, e);
-    const NodeRates a{v.va - old.va, v.wa.cross(s.ta) - start_rate_[e], v.wa - old.wa};
-    const NodeRates b{v.vb - old.vb, v.wb.cross(s.tb) - start_rate_[e + 1], v.wb - old.wb};
-    const MassTimes p(masses_[e], s, a, b);
-    sum += thread::elastic_energy(elements_[e], s) +
-           (p.xa.dot(a.v) + p.sa.dot(a.spin) + p.xb.dot(b.v) + p.sb.dot(b.spin)) / 2 -
-           dt_ * elements_[e].mass / 2 * gravity_.dot(v.va + v.vb);
-  }
-  for (const NodeSpring& spring : springs_) {
-    if (!spring.active) continue;
-    const Wrench w = spring_wrench(spring);
-    sum += w.force.squaredNorm() / (2 * spring.stiffness.translation);
-    if (spring.stiffness.rotation > 0)
-      sum += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);
-  }
-  return sum;
-}
-
-Imbalance Rod::imbalance(const Dofs& force) {
+Imbalance Rod::imbalance(const Dofs& force) const {
   Imbalance worst;
   const Real everywhere = *std::max_element(at_work_.begin(), at_work_.end());
   for (Index i = 0; i < nodes(); ++i) {
@@ -320,25 +336,7 @@ Imbalance Rod::imbalance(const Dofs& force) {
     const Real relative = scale > 0 ? size / scale : 0;
     if (!(relative <= worst.relative)) worst.relative = relative;
   }
-  if (worst.relative < 1 && force.isZero(0) && buckles()) worst.relative = 1;
   return worst;
-}
-
-/// Whether the guess is a saddle of the potential and not a minimum, as a straight rod is that is
-/// pushed together. Asked only of a rod without constraints: they may hold it there. Overwrites the
-/// matrix of the step, which the next pass assembles anew.
-bool Rod::buckles() {
-  bool compressed = false;
-  for (Index e = 0; e < beams() && !compressed; ++e) {
-    const ElementRest& r = elements_[e];
-    // A straight beam that inertia alone holds sideways buckles at 2 sqrt(EI m / L) / h.
-    const Real least = std::sqrt(r.bend_1 * r.mass) / dt_;
-    compressed = states_[e].tension < -least;
-  }
-  if (!compressed) return false;
-  for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
-  assemble(Tangent::exact);
-  return !matrix_.factor();
 }
 
 void Rod::end_step(const Dofs& force) {

@@ -127,6 +127,10 @@ Imbalance SutureThread::imbalance(const StepContext&, const VecX& force) {
   return factored_ ? rod_.imbalance(force) : Imbalance{none, none};
 }
 
+bool SutureThread::leave_saddle() {
+  return factored_ && rod_.leave_saddle();
+}
+
 void SutureThread::end_step(const StepContext&, const VecX& force) {
   rod_.end_step(force);
   if (sampling_angle > 0) resample();

@@ -54,6 +54,7 @@ class SutureThread : public Component, public CurveBody {
   void correct(const StepContext& context, const VecX& force_change) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
+  bool leave_saddle() override;
   void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override { return rod_.momentum(); }
   Real mass() const override { return rod_.mass(); }

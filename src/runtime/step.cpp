@@ -61,9 +61,9 @@ bool Simulation::balance(StepContext context, Timer& timer) {
 
   Index least = 1;
   for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
-  const Index most = std::max(least, scene_->limits.passes);
-  Index events = 0;
-  while (context.pass < most + events) {
+  Index most = std::max(least, scene_->limits.passes);
+  Index saddles = 0;
+  while (context.pass < most) {
     pass(context, timer);
     ++context.pass;
     ++report_.passes;
@@ -74,11 +74,23 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     if (!balanced || context.pass < least) continue;
     // What cannot be undone happens on forces that have been verified, all that is due at once.
     const Index fired = fire_events(problem_);
-    if (fired == 0) return true;
-    events += fired;
+    most += fired;
     report_.solve.events += fired;
+    if (fired > 0) continue;
+    if (!leave_saddles()) return true;
+    constexpr Index most_saddles = 4;
+    if (++saddles > most_saddles) return false;
+    most += scene_->limits.passes;
+    build(context, timer);
   }
   return false;
+}
+
+/// Balanced is not enough where a body can go lower. False if none can.
+bool Simulation::leave_saddles() {
+  bool left = false;
+  for (const NamedBody& b : bodies_) left = b.body->leave_saddle() || left;
+  return left;
 }
 
 /// One linearisation of everything about the present guess, and the next guess.
