@@ -9,6 +9,7 @@
 #include "../../plugins/suturing/cutting_law.h"
 #include "../../plugins/suturing/path_friction_law.h"
 #include "../../plugins/suturing/puncture_law.h"
+#include "solve/compliance.h"
 #include "sutura/laws/bilateral.h"
 
 namespace sutura::testing {
@@ -141,9 +142,38 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
   return out;
 }
 
-Real outside_admissible(const ConstraintProblem& p, std::string& who) {
+ForceTolerance::ForceTolerance(const ConstraintProblem& solved, Real length) : length_(length) {
+  Compliance compliance;
+  compliance.prepare(solved);
+  for (std::size_t i = 0; i < solved.blocks.size(); ++i) {
+    const int dim = solved.blocks[i].law->dim;
+    Real least = INFINITY;
+    for (int k = 0; k < dim; ++k) least = std::min(least, compliance[i][k * (dim + 1)]);
+    softness_[solved.blocks[i].key] = least;
+  }
+}
+
+Real ForceTolerance::of(const ConstraintBlock& b, Real drag) const {
+  const auto known = softness_.find(b.key);
+  const Real softness = known != softness_.end() ? known->second : b.units.length / b.units.force;
+  return length_ * (1 / softness + drag);
+}
+
+namespace {
+
+Real drag_of(const ConstraintProblem& p, const ConstraintBlock& b) {
+  if (const auto* q = params_of<PunctureLaw>(p, b)) return q->drag;
+  if (const auto* q = params_of<PathFrictionLaw>(p, b)) return q->viscous;
+  return 0;
+}
+
+}  // namespace
+
+Real outside_admissible(const ConstraintProblem& p, const ForceTolerance& tolerance,
+                        std::string& who) {
   Real worst = 0;
-  const auto note = [&](const ConstraintBlock& b, Real by) {
+  const auto note = [&](const ConstraintBlock& b, Real force) {
+    const Real by = force / tolerance.of(b, drag_of(p, b));
     if (!(by <= worst)) worst = by, who = b.law->name;
   };
   for (const ConstraintBlock& b : p.blocks) {
@@ -171,7 +201,7 @@ Real outside_admissible(const ConstraintProblem& p, std::string& who) {
   return worst;
 }
 
-Real off_graph(const ConstraintProblem& p, Real margin, std::string& who) {
+Real off_graph(const ConstraintProblem& p, const ForceTolerance& tolerance, std::string& who) {
   Real worst = 0;
   const auto note = [&](const ConstraintBlock& b, Real by) {
     if (!(by <= worst)) worst = by, who = b.law->name;
@@ -179,6 +209,7 @@ Real off_graph(const ConstraintProblem& p, Real margin, std::string& who) {
   for (const ConstraintBlock& b : p.blocks) {
     const VecX l = p.lambda.segment(b.first_row, b.law->dim),
                d = p.delta.segment(b.first_row, b.law->dim);
+    const Real margin = tolerance.of(b, drag_of(p, b));
     /// 0 <= gap _|_ push >= 0 below the limit, gap <= 0 at it.
     const auto clamp = [&](Real gap, Real push, Real limit) {
       if (push > margin) note(b, gap);

@@ -2,6 +2,7 @@
 // geometry of the bodies, not from the residual of the solver.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,28 @@ struct ThirdLaw {
 /// The bodies are where the rows of the problem were built.
 ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& solved);
 
-/// The largest amount by which a force lies outside the set that its law admits, in N, over the
-/// blocks; `who` names the worst.
-Real outside_admissible(const ConstraintProblem& solved, std::string& who);
+/// What a tolerance on lengths means for the force of a block: that force over which the bodies
+/// give way by so much there.
+class ForceTolerance {
+ public:
+  /// `solved`: with the compliance of the last pass. A block that is not in it counts with the
+  /// compliance that its units make.
+  ForceTolerance(const ConstraintProblem& solved, Real length);
+  /// `drag`: force per slip of the law (N/m), so that a slip that is off is a force that is off.
+  Real of(const ConstraintBlock& block, Real drag = 0) const;
+
+ private:
+  Real length_;
+  std::map<Key, Real> softness_;  ///< least compliance of the block's own rows, m/N
+};
+
+/// The largest amount by which a force lies outside the set that its law admits, over the blocks,
+/// as a multiple of its tolerance; `who` names the worst.
+Real outside_admissible(const ConstraintProblem& end, const ForceTolerance& tolerance,
+                        std::string& who);
 /// The largest distance from the graph of the laws: how far delta is from what the state of the
-/// force asks for, in m. A force counts as inside its limits if it is so by `margin` (N).
-Real off_graph(const ConstraintProblem& solved, Real margin, std::string& who);
+/// force asks for, in m. A force counts as inside its limits if it is so by its tolerance.
+Real off_graph(const ConstraintProblem& end, const ForceTolerance& tolerance, std::string& who);
 
 /// Surfaces and layers that gave way in this solve.
 struct PunctureCount {
