@@ -186,13 +186,14 @@ class SolidBody : public Body {
   static constexpr const char* interface_name = "SolidBody";
   /// The element that contains p, or nothing.
   virtual std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const = 0;
-  /// The closest point of the boundary within `reach` (m) of p, or nothing.
-  virtual std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
-                                                      Configuration c) const = 0;
-  /// Where the segment from a to b first crosses the boundary, or nothing. `distance` is the signed
-  /// distance of a along the normal.
-  virtual std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
-                                               Configuration c) const = 0;
+  /// The closest point of the boundary within `reach` (m) of p, or nothing. With `facing`: of that
+  /// part of the boundary whose outward normal leans that way, as one side of a slit does.
+  virtual std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach, Configuration c,
+                                                      const Vec3& facing = Vec3::Zero()) const = 0;
+  /// Where the segment from a to b first crosses the boundary (the part that is `facing` so), or
+  /// nothing. `distance` is the signed distance of a along the normal.
+  virtual std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b, Configuration c,
+                                               const Vec3& facing = Vec3::Zero()) const = 0;
   virtual Vec3 surface_normal(Index triangle, Configuration c) const = 0;
   /// Region tag of the mesh (layer).
   virtual int region(const EmbeddedPoint& p) const = 0;

@@ -48,11 +48,7 @@ bool Channel::mouth_near(const Vec3& point, Real reach) const {
   const auto near = [&](const PathSample& s) {
     return (tissue_.position(s.at, Configuration::current) - point).norm() < reach;
   };
-  // The exit just left, or the entry of a channel that is remembered but empty.
-  if (passed_ > 0 && samples_[passed_ - 1].kind == PathSample::Kind::exit &&
-      near(samples_[passed_ - 1])) {
-    return true;
-  }
+  // The entry of a channel that is remembered but empty.
   return passed_ < samples_.size() && samples_[passed_].kind == PathSample::Kind::entry &&
          near(samples_[passed_]);
 }

@@ -141,15 +141,21 @@ Puncture::Front Puncture::find_entry() {
   const Real motion = (thread.point(0, Configuration::current) - tip).norm();
   // A tip that presses stands below the surface of the mesh by the dent of its near field.
   const Real dent = footprint_.compliance() * threshold_here_;
+  // Only what the needle points at: not the surface it has just left, on the other side of which
+  // the next may lie at once (a slit, two lips of a wound).
+  const Vec3 back = thread.tangent(0, Configuration::start);
   const auto hit =
-      path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start);
+      path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start, back);
   if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
   const bool deep = !hit || hit->distance < -reach_ - dent;
   if (deep && path_->tissue().locate(tip, Configuration::start)) {
     // An indentation deeper than the elements can follow turns them inside out, and the tip is in
     // without a puncture.
+    const auto way_in =
+        path_->tissue().closest_surface(tip, thread.length(), Configuration::start, back);
     touched_ =
-        *path_->tissue().closest_surface(tip, path_->thread().length(), Configuration::start);
+        way_in ? *way_in
+               : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
     return Front::overrun;
   }
   if (!hit) return Front::none;
@@ -163,10 +169,10 @@ Puncture::Front Puncture::find_exit() {
   const Vec3 tip = thread.point(0, Configuration::start);
   const Vec3 forward = -thread.tangent(0, Configuration::start);
   const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start);
+  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
   // A tip that tents the surface holds a patch of it back, and may stand before or behind a single
   // facet.
-  if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start);
+  if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start, forward);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;

@@ -169,7 +169,13 @@ std::optional<EmbeddedPoint> SolidQueries::locate(const Vec3& p) const {
   return best;
 }
 
-std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real reach) const {
+/// No direction is faced by everything.
+bool SolidQueries::faces(Index triangle, const Vec3& direction) const {
+  return direction.isZero(0) || surface_normal(triangle).dot(direction) > 0;
+}
+
+std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real reach,
+                                                          const Vec3& facing) const {
   fit_triangles();
   Real least = reach * reach;
   Index triangle = -1;
@@ -177,6 +183,7 @@ std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real re
   topology_->triangle_tree_.visit(
       triangle_boxes_, [&](const Box& box) { return box.squared_distance(p) <= least; },
       [&](Index f) {
+        if (!faces(f, facing)) return;
         const std::array<Vec3, 3> t = corners(f);
         const ClosestPoint c = closest_point(p, t);
         const Vec3 q = c.weights[0] * t[0] + c.weights[1] * t[1] + c.weights[2] * t[2];
@@ -197,7 +204,8 @@ std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real re
   return s;
 }
 
-std::optional<SurfacePoint> SolidQueries::crossing(const Vec3& a, const Vec3& b) const {
+std::optional<SurfacePoint> SolidQueries::crossing(const Vec3& a, const Vec3& b,
+                                                   const Vec3& facing) const {
   fit_triangles();
   Real first = 2;
   Index triangle = -1;
@@ -218,6 +226,7 @@ std::optional<SurfacePoint> SolidQueries::crossing(const Vec3& a, const Vec3& b)
         if (sum == 0) return;  // seen edge on
         const Real s = (w[0] * t[0][2] + w[1] * t[1][2] + w[2] * t[2][2]) / sum;
         if (!(s >= 0 && s <= 1) || s > first || (s == first && f > triangle)) return;
+        if (!faces(f, facing)) return;
         first = s;
         triangle = f;
         weights = w / sum;

@@ -48,13 +48,16 @@ class SolidQueries {
   std::optional<EmbeddedPoint> locate(const Vec3& p) const;
   /// The sign comes from the angle-weighted normal of the nearest vertex, edge or face, which is
   /// right everywhere (Baerentzen and Aanaes, 2005); that normal is the one returned.
-  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach) const;
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
+                                              const Vec3& facing = Vec3::Zero()) const;
   /// No gap between triangles: a segment through an edge or vertex hits one of its triangles.
-  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b) const;
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
+                                       const Vec3& facing = Vec3::Zero()) const;
   Vec3 surface_normal(Index triangle) const;
   Vec3 position(const EmbeddedPoint& p) const;
 
  private:
+  bool faces(Index triangle, const Vec3& direction) const;
   Vec3 point(Index node) const { return x_->segment<3>(3 * node); }
   std::array<Vec3, 3> corners(Index triangle) const;
   SurfacePoint on_triangle(Index triangle, const Vec3& weights) const;

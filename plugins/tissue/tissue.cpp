@@ -186,12 +186,13 @@ void Tissue::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
 std::optional<EmbeddedPoint> Tissue::locate(const Vec3& p, Configuration c) const {
   return queries(c).locate(p);
 }
-std::optional<SurfacePoint> Tissue::closest_surface(const Vec3& p, Real reach,
-                                                    Configuration c) const {
-  return queries(c).closest_surface(p, reach);
+std::optional<SurfacePoint> Tissue::closest_surface(const Vec3& p, Real reach, Configuration c,
+                                                    const Vec3& facing) const {
+  return queries(c).closest_surface(p, reach, facing);
 }
-std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Configuration c) const {
-  return queries(c).crossing(a, b);
+std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Configuration c,
+                                             const Vec3& facing) const {
+  return queries(c).crossing(a, b, facing);
 }
 Vec3 Tissue::surface_normal(Index triangle, Configuration c) const {
   return queries(c).surface_normal(triangle);

@@ -97,10 +97,10 @@ class Tissue : public Component, public SolidBody {
 
   // SolidBody
   std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const override;
-  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
-                                              Configuration c) const override;
-  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
-                                       Configuration c) const override;
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach, Configuration c,
+                                              const Vec3& facing = Vec3::Zero()) const override;
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b, Configuration c,
+                                       const Vec3& facing = Vec3::Zero()) const override;
   Vec3 surface_normal(Index triangle, Configuration c) const override;
   int region(const EmbeddedPoint& p) const override;
   std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const override;

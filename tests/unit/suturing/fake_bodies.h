@@ -166,18 +166,19 @@ struct SpringSlab : Component, SolidBody {
     const Vec3 normal = top ? Vec3(0, 0, 1) : Vec3(0, 0, -1);
     return {embedded(foot), top ? 0 : 1, foot + shift(c), normal, normal.dot(m - foot)};
   }
-  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach,
-                                              Configuration c) const override {
-    const bool top = (p - shift(c)).z() > -0.5 * thickness;
+  std::optional<SurfacePoint> closest_surface(const Vec3& p, Real reach, Configuration c,
+                                              const Vec3& facing = Vec3::Zero()) const override {
+    const bool nearer = (p - shift(c)).z() > -0.5 * thickness;
+    const bool top = facing.z() == 0 ? nearer : facing.z() > 0;
     SurfacePoint s = face(p, top, c);
     if (std::abs(s.distance) > reach) return std::nullopt;
     return s;
   }
-  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
-                                       Configuration c) const override {
+  std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b, Configuration c,
+                                       const Vec3& facing = Vec3::Zero()) const override {
     for (const bool top : {true, false}) {
       const Real level = (top ? 0 : -thickness) + shift(c).z();
-      if ((a.z() - level) * (b.z() - level) < 0) {
+      if ((a.z() - level) * (b.z() - level) < 0 && facing.z() * (top ? 1 : -1) >= 0) {
         return face(a + (b - a) * (level - a.z()) / (b.z() - a.z()), top, c);
       }
     }
