@@ -54,6 +54,10 @@ void Tissue::describe(Describe<Tissue>& d) {
            [](const Tissue& t) -> Real { return t.max_displacement(); });
   d.output("energy", "J", "Kinetic plus elastic energy.",
            [](const Tissue& t) -> Real { return t.energy(); });
+  d.output("kinetic_energy", "J", "Kinetic energy.",
+           [](const Tissue& t) { return t.kinetic_energy(); });
+  d.output("elastic_energy", "J", "Elastic energy.",
+           [](const Tissue& t) { return t.elastic_energy(); });
   d.output("momentum", "kg m/s", "Linear momentum.",
            [](const Tissue& t) -> Vec3 { return t.momentum(); });
   d.output("linearisations", "1", "Linearisations in the last step.",
