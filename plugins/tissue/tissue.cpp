@@ -71,6 +71,11 @@ void Tissue::doubt(Setup& setup) const {
   doubt_material(*this, setup, {young, poisson, density});
   if (element == TissueElement::unstated && poisson > locking_poisson)
     setup.warning(*this, "poisson is " + format_real(poisson) + ", where " + too_stiff);
+  constexpr Real longest = 5;  // m
+  const Real length = (mesh->report().high - mesh->report().low).maxCoeff();
+  const bool doubted = !mesh->file.path.empty() && mesh->unit == TetMesh::Unit::unstated;
+  if (length > longest && !doubted)
+    setup.warning(*this, "the mesh is " + format_real(length) + " m long; is its unit right?");
   if (setup.scene == nullptr || setup.gravity.isZero()) return;
   for (const Component* other : setup.scene->components()) {
     const auto* attach = dynamic_cast<const Attach*>(other);

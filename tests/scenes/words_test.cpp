@@ -193,5 +193,14 @@ TEST(Words, ATissueThatNothingHoldsCannotSettle) {
   EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
 }
 
+TEST(Words, SizesThatAreMoreLikelyASlipOfTheUnitAreDoubted) {
+  for (const char* slip : {"thread_length=\"50\"", "needle_length=\"17\"",
+                           "needle_diameter=\"0.65\"", "thread_diameter=\"0.175\""}) {
+    const TextRun run("<SutureThread " + std::string(slip) + "/>");
+    EXPECT_NE(run.said().find("is the unit right?"), std::string::npos) << slip << run.said();
+  }
+  EXPECT_EQ(TextRun("<SutureThread thread_length=\"3 m\"/>").said(), "");
+}
+
 }  // namespace
 }  // namespace sutura::testing
