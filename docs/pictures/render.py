@@ -100,7 +100,7 @@ def tissue_actors(grid, cut):
 
 
 def strands(grid):
-    """Runs of consecutive lines of one radius: (radius, points)."""
+    """Runs of consecutive lines of one radius: (radius, points, drawn radius of the first)."""
     points = vtk_to_numpy(grid.GetPoints().GetData())
     ends = [(grid.GetCell(i).GetPointId(0), grid.GetCell(i).GetPointId(1))
             for i in range(grid.GetNumberOfCells())]
@@ -115,10 +115,12 @@ def strands(grid):
             runs[-1][1].append(b)
         else:
             runs.append((radius, [a, b]))
-    return [(radius, points[nodes]) for radius, nodes in runs]
+    drawn = array(grid.GetPointData(), "drawn radius")
+    first = [radius if drawn is None else min(radius, drawn[nodes[0]]) for radius, nodes in runs]
+    return [(radius, points[nodes], r) for (radius, nodes), r in zip(runs, first)]
 
 
-def tube(radius, points, colour, taper=False):
+def tube(radius, points, first_radius, colour, is_steel=False):
     data = vtk.vtkPolyData()
     vtk_points = vtk.vtkPoints()
     vtk_points.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
@@ -128,6 +130,9 @@ def tube(radius, points, colour, taper=False):
         line.InsertCellPoint(i)
     data.SetPoints(vtk_points)
     data.SetLines(line)
+    radii = np.full(len(points), radius)
+    radii[0] = first_radius  # a needle ends in a point
+    data.GetPointData().SetScalars(numpy_to_vtk(radii, deep=True))
     # The cubic through the nodes: a needle of a few beams is drawn round, as it is computed.
     smooth = vtk.vtkSplineFilter()
     smooth.SetInputData(data)
@@ -135,20 +140,20 @@ def tube(radius, points, colour, taper=False):
     smooth.SetNumberOfSubdivisions(6 * len(points))
     out = vtk.vtkTubeFilter()
     out.SetInputConnection(smooth.GetOutputPort())
-    out.SetRadius(radius)
+    out.SetVaryRadiusToVaryRadiusByAbsoluteScalar()
     out.SetNumberOfSides(16)
     out.CappingOn()
-    steel = {"Specular": 0.5, "SpecularPower": 40} if taper else {"Specular": 0.2, "SpecularPower": 20}
+    steel = {"Specular": 0.5, "SpecularPower": 40} if is_steel else {"Specular": 0.2, "SpecularPower": 20}
     return actor_of(out, colour, Ambient=0.2, **steel)
 
 
 def strand_actors(grid):
     runs = strands(grid)
-    thickest = max((r for r, _ in runs), default=0)
-    thinnest = min((r for r, _ in runs), default=0)
-    for radius, points in runs:
+    thickest = max((r for r, _, _ in runs), default=0)
+    thinnest = min((r for r, _, _ in runs), default=0)
+    for radius, points, first_radius in runs:
         needle = radius == thickest and thickest > 1.5 * thinnest
-        yield tube(radius, points, STEEL if needle else SUTURE, needle)
+        yield tube(radius, points, first_radius, STEEL if needle else SUTURE, needle)
 
 
 def largest_force(grid):

@@ -78,6 +78,16 @@ struct BodyGeometry {
   std::vector<Field> fields;
 };
 
+/// A component that is no body and yet has a shape, which a VtuRecorder writes as it writes that of
+/// a body. Where the geometry has no points, nothing is written for that step.
+class Drawing {
+ public:
+  static constexpr const char* interface_name = "Drawing";
+  virtual ~Drawing() = default;
+  /// At the end of the last step.
+  virtual BodyGeometry geometry() const = 0;
+};
+
 /// How far a body is from the balance of its momentum.
 struct Imbalance {
   Real force = 0;     ///< largest over the nodes (N; moments divided by the length of a beam)
@@ -150,6 +160,12 @@ class Body {
   }
   /// Kinetic plus elastic energy (J) at the current state; gravity excluded.
   virtual Real energy() const = 0;
+  /// Power of a force (N, N m; size dofs) at the velocity of the guess (W), for energy balances;
+  /// not a number if the body does not say.
+  virtual Real power(const VecX& /*force*/) const { return std::numeric_limits<Real>::quiet_NaN(); }
+  /// After `end_step`: power of what holds or moves parts of the body without being a constraint,
+  /// as holds and supports do (W).
+  virtual Real held_power() const { return 0; }
   /// False as soon as any coordinate is not finite.
   virtual bool finite() const = 0;
   /// What went wrong in the last step, a sentence; empty if nothing did.

@@ -191,6 +191,8 @@ class ConstraintSource {
   virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;
   /// After `correct`: the only place where topology and the number of rows may change.
   virtual void commit(const StepContext&, const SolvedBlocks&) {}
+  /// The attribute that decides how many rows it makes, to be named where they are too many.
+  virtual const char* rows_attribute() const { return nullptr; }
   /// Why the result of the last step cannot be trusted, although the step is solved; empty if it
   /// can.
   virtual std::string fault() const { return {}; }

@@ -34,6 +34,7 @@ enum class RunEnd {
   done,
   stopped,      ///< by the observer
   diverged,     ///< the state is no longer finite
+  failed,       ///< StepReport::failure, which is among the diagnostics
   file_failed,  ///< a recorder or a checkpoint could not be written, a state not be restored
   no_end,       ///< nobody says how long
   refused       ///< the scene does not compile: see the diagnostics

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,10 +34,18 @@ inline constexpr std::array<std::string_view, 10> stage_names{
     "inputs", "linearise", "compliance", "solve",  "correct",
     "detect", "build",     "measure",    "commit", "record"};
 
-/// How well one body was balanced at the end of a step; the worst of its parts, if it was divided.
+/// Work on one body since the first step (J): of each force at the end of a step times the motion
+/// of that step, as implicit Euler has it.
+struct Work {
+  Real loads = 0;
+  Real holds = 0;  ///< of holds, and of supports that move
+  Real constraints = 0;
+};
+
 struct BodyReport {
-  std::string body;  ///< path
-  Imbalance imbalance;
+  std::string body;     ///< path
+  Imbalance imbalance;  ///< at the end of the step; the worst of its parts, if it was divided
+  Work work;
 };
 
 struct StepReport {
@@ -54,6 +63,9 @@ struct StepReport {
   bool finite = true;
   std::vector<std::string> messages;  ///< what is worth knowing of the bodies: "path: sentence"
   std::vector<std::string> faults;    ///< why this step cannot be trusted: "path: sentence"
+  /// A component threw, or the scene asks for more rows than fit: the step is unfinished, and no
+  /// further one is taken. Also of recorders when a recording begins or ends.
+  std::optional<Diagnostic> failure;
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
   Imbalance worst_imbalance() const;  ///< relative, over the bodies
@@ -74,7 +86,7 @@ class Simulation;
 class ComplianceStage;
 class OutputFolder;
 class LawCheck;
-template <std::size_t>
+template <class, std::size_t>
 class StageTimer;
 
 /// Reads the state after each step and writes files. Never changes anything.
@@ -100,7 +112,8 @@ class Simulation {
                                              Diagnostics& diagnostics, bool allow_outside = false);
   ~Simulation();
 
-  /// One time step. Never throws; what went wrong is in the report.
+  /// One time step. Never throws; what went wrong is in the report. After a `failure` it does
+  /// nothing any more.
   const StepReport& step();
   /// Takes the output folder (one run owns it; what the run before wrote there is removed), opens
   /// the files of recorders and records the initial state; closes them. Error sentence or empty.
@@ -139,7 +152,17 @@ class Simulation {
   Simulation();
   void archive_run(Archive& archive);
   bool settle(Diagnostics& diagnostics);
-  using Timer = StageTimer<stage_names.size()>;
+  using Timer = StageTimer<Stage, stage_names.size()>;
+  /// Notes who is at work, so that one that throws can be named.
+  template <class T>
+  T& ask(T* who) {
+    asked_ = dynamic_cast<const Component*>(who);
+    return *who;
+  }
+  template <class Call>
+  std::string ask_recorder(Recorder& recorder, const Call& call);
+  std::string take_folder(bool files_stay);
+  void take_step(Timer& timer);
   void begin_report();
   bool balance(StepContext context, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
@@ -170,6 +193,7 @@ class Simulation {
   Real violation_ = 0;                ///< likewise
   std::string identity_;              ///< of scene, files and build: what a state must agree with
   VecX lambda_before_;
+  const Component* asked_ = nullptr;  ///< the component at work
   StepReport report_;
   bool recording_ = false;
   std::string record_error_;  ///< the first one; recording stops there

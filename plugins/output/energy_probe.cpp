@@ -4,12 +4,20 @@ namespace sutura::output {
 
 void EnergyProbe::describe(Describe<EnergyProbe>& d) {
   using T = EnergyProbe;
-  d.summary("Reads the energy of one body, with and without that of its weight.");
+  d.summary(
+      "Reads the energy of one body, the work done on it, and what the balance of both lacks.");
   d.theory(
       "Total energy is kinetic plus elastic energy plus that of the weight, *-m g . c* with the "
-      "centre of mass *c*. What tools, loads and constraints do to the body changes it; what is "
-      "lost beyond that went into friction, damping and the time integration (implicit Euler "
-      "takes energy and never gives any).");
+      "centre of mass *c*. The work of a step is each force at its end times the motion of the "
+      "step, for loads (ThreadLoad, TissueLoad), holds (Grasper, a moving Attach) and constraint "
+      "rows (contact, friction, cutting, ...). What of it is not found in the energy again is "
+      "`lost`: to damping, and to implicit Euler, which takes energy from all that moves. A body "
+      "that turns by an angle in a step moves along the chord; that makes work and loss uncertain "
+      "by the square of the angle.\n\n"
+      "Work, change and loss are counted from the start of the recording. For two bodies that "
+      "touch, the sum of both `work_of_constraints` is what the rows between them took: with a "
+      "minus, the energy that friction, puncture and cutting dissipated, and that which the "
+      "compliance of their laws stores.");
   d.link("body", &T::body_, "The thread or tissue.");
   d.output("energy", "J", "Kinetic plus elastic energy.",
            [](const T& e) -> Real { return e.body_->energy(); });
@@ -17,7 +25,52 @@ void EnergyProbe::describe(Describe<EnergyProbe>& d) {
            [](const T& e) { return e.potential(); });
   d.output("total", "J", "Sum of both.", [](const T& e) { return e.total(); });
   d.output("change", "J", "Total energy now less that at the start of the recording.",
-           [](const T& e) -> Real { return e.at_start_ ? e.total() - *e.at_start_ : 0; });
+           [](const T& e) { return e.change(); });
+  d.output("work_of_loads", "J", "Work of the loads on the body.",
+           [](const T& e) { return e.work().loads; });
+  d.output("work_of_holds", "J", "Work of the holds and moving supports on the body.",
+           [](const T& e) { return e.work().holds; });
+  d.output("work_of_constraints", "J", "Work of the constraint forces on the body.",
+           [](const T& e) { return e.work().constraints; });
+  d.output("lost", "J", "Work of all three less the change of the total energy.", [](const T& e) {
+    const Work w = e.work();
+    return w.loads + w.holds + w.constraints - e.change();
+  });
+}
+
+void EnergyProbe::find(const Simulation& simulation) {
+  for (std::size_t i = 0; i < simulation.bodies().size(); ++i)
+    if (simulation.bodies()[i].body == body_.get()) report_ = &simulation.report().bodies[i];
+}
+
+std::string EnergyProbe::start(const Simulation& simulation) {
+  find(simulation);
+  is_recording_ = true;
+  total_before_ = total();
+  work_before_ = report_->work;
+  return {};
+}
+
+std::string EnergyProbe::resume(const Simulation& simulation) {
+  if (!is_recording_) return start(simulation);
+  find(simulation);
+  return {};
+}
+
+Work EnergyProbe::work() const {
+  if (report_ == nullptr) return {};
+  const Work& now = report_->work;
+  return {.loads = now.loads - work_before_.loads,
+          .holds = now.holds - work_before_.holds,
+          .constraints = now.constraints - work_before_.constraints};
+}
+
+void EnergyProbe::archive(Archive& a) {
+  a("is_recording", is_recording_);
+  a("total_before", total_before_);
+  a("loads_before", work_before_.loads);
+  a("holds_before", work_before_.holds);
+  a("constraints_before", work_before_.constraints);
 }
 
 }  // namespace sutura::output

@@ -1,7 +1,5 @@
-// EnergyProbe: the energy of a body, with that of its weight, and how it has changed.
+// EnergyProbe: the energy of a body with that of its weight, and the work that was done on it.
 #pragma once
-
-#include <optional>
 
 #include "sutura/archive.h"
 #include "sutura/describe.h"
@@ -13,22 +11,11 @@ class EnergyProbe : public Component, public Recorder {
  public:
   static void describe(Describe<EnergyProbe>& d);
   void initialise(Setup& setup) override { gravity_ = setup.gravity; }
+  void archive(Archive& a) override;
 
-  /// Notes the energy before the first step, once all bodies have settled.
-  std::string start(const Simulation&) override {
-    at_start_ = total();
-    return {};
-  }
-  std::string resume(const Simulation& simulation) override {
-    return at_start_ ? std::string() : start(simulation);
-  }
-  void archive(Archive& a) override {
-    bool known = at_start_.has_value();
-    Real energy = at_start_.value_or(0);
-    a("known", known);
-    a("at_start", energy);
-    if (a.restoring()) at_start_ = known ? std::optional<Real>(energy) : std::nullopt;
-  }
+  /// Notes energy and work before the first step, once all bodies have settled.
+  std::string start(const Simulation& simulation) override;
+  std::string resume(const Simulation& simulation) override;
   std::string record(const Simulation&, const StepReport&) override { return {}; }
   std::string finish(const Simulation&) override { return {}; }
 
@@ -37,10 +24,17 @@ class EnergyProbe : public Component, public Recorder {
     return gravity_.isZero(0) ? 0 : -body_->mass() * gravity_.dot(body_->centre_of_mass());
   }
   Real total() const { return body_->energy() + potential(); }
+  Real change() const { return is_recording_ ? total() - total_before_ : 0; }
+  /// Since the start of the recording.
+  Work work() const;
+  void find(const Simulation& simulation);
 
   Link<Body> body_;
   Vec3 gravity_ = Vec3::Zero();
-  std::optional<Real> at_start_;
+  const BodyReport* report_ = nullptr;  ///< of the body
+  bool is_recording_ = false;
+  Real total_before_ = 0;  ///< at the start of the recording (J)
+  Work work_before_;
 };
 
 }  // namespace sutura::output

@@ -46,7 +46,14 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
       "named like `law 0 is puncture` tell the "
       "numbers of laws; they hold for the whole run. A step without constraints has one vertex "
       "with law -1 and no force, because some readers refuse an empty grid. A .pvd is complete "
-      "after every record, so a run that is cut off can be looked at.");
+      "after every record, so a run that is cut off can be looked at. A component that draws "
+      "itself "
+      "(`Drawing` in `include/sutura/body.h`) is written like a body, but for the steps in which "
+      "it "
+      "has nothing to draw. The point field `drawn radius [m]` of a thread, with ParaView's Tube "
+      "and "
+      "*Vary Radius: By Absolute Scalar*, draws it as thick as it is, and the needle with a "
+      "point.");
   d.attribute("every", &VtuRecorder::every_, at_least(1), "Record each so many steps.");
   d.attribute("interval", &VtuRecorder::interval_, "s", between(0, 1e12),
               "Time between records; 0: by steps, as 'every' says.");
@@ -55,13 +62,20 @@ void VtuRecorder::describe(Describe<VtuRecorder>& d) {
 void VtuRecorder::initialise(Setup& setup) {
   directory_ = setup.output_directory;
   series_.clear();
+  drawings_.clear();
   std::vector<std::string> taken{"constraints"};
-  for (const Component* c : setup.scene->components()) {
-    if (dynamic_cast<const Body*>(c) == nullptr) continue;
-    taken.push_back(file_name_of(c->path(), taken));
+  const auto add = [&](const Component& c) {
+    taken.push_back(file_name_of(c.path(), taken));
     series_.push_back({taken.back(), {}});
-  }
+  };
+  for (const Component* c : setup.scene->components())
+    if (dynamic_cast<const Body*>(c) != nullptr) add(*c);
   series_.push_back({"constraints", {}});
+  for (const Component* c : setup.scene->components())
+    if (const auto* drawing = dynamic_cast<const Drawing*>(c)) {
+      add(*c);
+      drawings_.push_back(drawing);
+    }
   for (const Series& s : series_) {
     // One complaint is enough where two recorders write the same.
     if (!setup.output(*this, "files", s.name + ".pvd") ||
@@ -109,10 +123,12 @@ bool VtuRecorder::due(const StepReport& report) {
 
 std::string VtuRecorder::record(const Simulation& simulation, const StepReport& report) {
   if (!due(report)) return {};
+  const std::size_t bodies = simulation.bodies().size();
   for (std::size_t i = 0; i < series_.size(); ++i) {
-    const bool is_body = i < simulation.bodies().size();
-    const VtuGrid grid = is_body ? grid_of(simulation.bodies()[i].body->geometry())
-                                 : constraint_grid(simulation.problem(), laws_);
+    const VtuGrid grid = i < bodies    ? grid_of(simulation.bodies()[i].body->geometry())
+                         : i == bodies ? constraint_grid(simulation.problem(), laws_)
+                                       : grid_of(drawings_[i - bodies - 1]->geometry());
+    if (grid.points.empty()) continue;
     if (std::string e = write(series_[i], grid, report); !e.empty()) return e;
     ends_[i] = series_[i].pvd.end();
   }

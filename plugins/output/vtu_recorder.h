@@ -36,7 +36,8 @@ class VtuRecorder : public Component, public Recorder {
   Real interval_ = 0;
 
   std::filesystem::path directory_;
-  std::vector<Series> series_;      ///< in the order of Simulation::bodies, then the constraints
+  std::vector<Series> series_;  ///< as Simulation::bodies, then the constraints, then drawings_
+  std::vector<const Drawing*> drawings_;
   std::vector<std::int64_t> ends_;  ///< bytes of their .pvd so far
   LawNumbers laws_;
   Real next_time_ = 0;

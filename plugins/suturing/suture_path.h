@@ -38,6 +38,7 @@ class SuturePath : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   std::string fault() const override;
+  const char* rows_attribute() const override { return "spacing"; }
 
   const CurveBody& thread() const { return *thread_; }
   const SolidBody& tissue() const { return *tissue_; }

@@ -155,7 +155,7 @@ void Rod::resample(const std::vector<Real>& abscissa, const std::function<Pose(R
   for (const Index k : nodes_concerned)
     centre += pose_[k].position / static_cast<Real>(nodes_concerned.size());
   const auto add_motion = [&](const Vec3& v, const Vec3& w) {
-    for (const Index k : nodes_concerned) {
+    for (const Index k : work_.concerned) {  // clang 14 captures no structured bindings
       velocity_.segment<3>(6 * k) += v + w.cross(pose_[k].position - centre);
       velocity_.segment<3>(6 * k + 3) += w;
     }

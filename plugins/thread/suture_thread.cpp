@@ -211,6 +211,16 @@ Wrench SutureThread::hold_wrench(Index hold) const {
   return rod_.springs()[hold].applied;
 }
 
+Real SutureThread::held_power() const {
+  Real power = 0;
+  for (const NodeSpring& s : rod_.springs()) {
+    if (!s.active) continue;
+    power += s.applied.force.dot(rod_.velocity().segment<3>(6 * s.node)) +
+             s.applied.moment.dot(rod_.velocity().segment<3>(6 * s.node + 3));
+  }
+  return power;
+}
+
 Real SutureThread::largest_strain() const {
   Real largest = 0;
   ElementState s;
@@ -227,17 +237,26 @@ Real SutureThread::largest_curvature() const {
   return largest;
 }
 
+/// A needle is drawn with a point three diameters long. The mechanics does not know it: there the
+/// needle is as thick as ever, up to abscissa 0.
+Real SutureThread::drawn_radius(Real s) const {
+  const Real point = 3 * needle_diameter;
+  return s < std::min(point, shape_.needle_length) ? radius(s) * s / point : radius(s);
+}
+
 BodyGeometry SutureThread::geometry() const {
   BodyGeometry g;
   g.cell = BodyGeometry::Cell::line;
   BodyGeometry::Field velocity{"velocity [m/s]", false, 3, {}};
   BodyGeometry::Field abscissa{"abscissa [m]", false, 1, {}};
+  BodyGeometry::Field drawn{"drawn radius [m]", false, 1, {}};
   BodyGeometry::Field radius_field{"radius [m]", true, 1, {}};
   BodyGeometry::Field tension{"axial force [N]", true, 1, {}};
   BodyGeometry::Field bend{"curvature [1/m]", true, 1, {}};
   for (Index i = 0; i < rod_.nodes(); ++i) {
     g.points.push_back(rod_.poses(Configuration::current)[i].position);
     abscissa.values.push_back(rod_.abscissa()[i]);
+    drawn.values.push_back(drawn_radius(rod_.abscissa()[i]));
     for (int k = 0; k < 3; ++k) velocity.values.push_back(rod_.velocity()[6 * i + k]);
   }
   ElementState s;
@@ -249,7 +268,7 @@ BodyGeometry SutureThread::geometry() const {
     tension.values.push_back(s.tension);
     bend.values.push_back(beam_curvature(rod_, e));
   }
-  g.fields = {velocity, abscissa, radius_field, tension, bend};
+  g.fields = {velocity, abscissa, drawn, radius_field, tension, bend};
   return g;
 }
 

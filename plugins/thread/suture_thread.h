@@ -60,6 +60,8 @@ class SutureThread : public Component, public CurveBody {
   Real mass() const override { return rod_.mass(); }
   Vec3 centre_of_mass() const override;
   Real energy() const override { return rod_.kinetic_energy() + rod_.elastic_energy(); }
+  Real power(const VecX& force) const override { return force.dot(rod_.velocity()); }
+  Real held_power() const override;
   bool finite() const override { return factored_ && rod_.finite(); }
   std::string trouble() const override;
   BodyGeometry geometry() const override;
@@ -103,6 +105,7 @@ class SutureThread : public Component, public CurveBody {
   void doubt_sizes(Setup& setup) const;
   std::vector<Real> node_abscissae() const;
   Section section(Real s) const;
+  Real drawn_radius(Real s) const;
   void resample();
 
   Rod rod_;

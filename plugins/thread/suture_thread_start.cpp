@@ -46,7 +46,8 @@ void SutureThread::initialise(Setup& setup) {
 
 /// Sizes that are allowed, but more likely a slip of the unit.
 void SutureThread::doubt_sizes(Setup& setup) const {
-  constexpr Real longest_needle = 0.15, thickest_needle = 3e-3, thickest_thread = 2e-3;  // m
+  constexpr Real longest_needle = 0.15, thickest_needle = 3e-3, longest_thread = 10,
+                 thickest_thread = 2e-3;  // m
   const auto doubt = [&](const char* attribute, Real value, Real most, const char* known) {
     if (value > most)
       setup.warning(*this, std::string(attribute) + " is " + format_real(value) + " m, and " +
@@ -55,6 +56,7 @@ void SutureThread::doubt_sizes(Setup& setup) const {
   doubt("needle_length", needle_arc_length, longest_needle, "suture needles end at about 100 mm");
   if (needle_arc_length > 0)
     doubt("needle_diameter", needle_diameter, thickest_needle, "needles have up to about 2 mm");
+  doubt("thread_length", thread_length, longest_thread, "sutures have up to about 3 m");
   doubt("thread_diameter", thread_diameter, thickest_thread, "the thickest suture has 0.9 mm");
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <new>
 #include <utility>
 
 namespace sutura {
@@ -60,7 +61,12 @@ void FactorWorker::run() {
     std::unique_ptr<SnapshotFactor> job = std::move(job_);
     lock.unlock();
     const bool answer = !hook_ || hook_(job->snapshot->step);
-    if (answer) job->factorise(plan_);
+    try {
+      if (answer) job->factorise(plan_);
+    } catch (const std::bad_alloc&) {  // here nobody else could catch it
+      job->ok = false;
+      job->plan.reset();
+    }
     lock.lock();
     if (answer) {
       answer_ = std::move(job);

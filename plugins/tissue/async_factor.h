@@ -33,7 +33,7 @@ struct SnapshotFactor {
   std::shared_ptr<const FactorPlan> plan;
   std::unique_ptr<Factor> factor;
   MatX tail;           ///< compliance of the candidates, in the axes of the snapshot
-  bool ok = false;     ///< false: not positive definite
+  bool ok = false;     ///< false: not positive definite, or no memory
   bool rough = false;  ///< keep the factor in single precision too
   double seconds = 0;  ///< wall time of the factorisation
 

@@ -54,6 +54,10 @@ void Tissue::describe(Describe<Tissue>& d) {
            [](const Tissue& t) -> Real { return t.max_displacement(); });
   d.output("energy", "J", "Kinetic plus elastic energy.",
            [](const Tissue& t) -> Real { return t.energy(); });
+  d.output("kinetic_energy", "J", "Kinetic energy.",
+           [](const Tissue& t) { return t.kinetic_energy(); });
+  d.output("elastic_energy", "J", "Elastic energy.",
+           [](const Tissue& t) { return t.elastic_energy(); });
   d.output("momentum", "kg m/s", "Linear momentum.",
            [](const Tissue& t) -> Vec3 { return t.momentum(); });
   d.output("linearisations", "1", "Linearisations in the last step.",
@@ -67,6 +71,11 @@ void Tissue::doubt(Setup& setup) const {
   doubt_material(*this, setup, {young, poisson, density});
   if (element == TissueElement::unstated && poisson > locking_poisson)
     setup.warning(*this, "poisson is " + format_real(poisson) + ", where " + too_stiff);
+  constexpr Real longest = 5;  // m
+  const Real length = (mesh->report().high - mesh->report().low).maxCoeff();
+  const bool doubted = !mesh->file.path.empty() && mesh->unit == TetMesh::Unit::unstated;
+  if (length > longest && !doubted)
+    setup.warning(*this, "the mesh is " + format_real(length) + " m long; is its unit right?");
   if (setup.scene == nullptr || setup.gravity.isZero()) return;
   for (const Component* other : setup.scene->components()) {
     const auto* attach = dynamic_cast<const Attach*>(other);

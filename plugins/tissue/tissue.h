@@ -61,7 +61,9 @@ class Tissue : public Component, public SolidBody {
   Vec3 reaction(const std::vector<Index>& nodes) const;
   Index inverted() const;  ///< tets of negative or zero volume
   Real max_displacement() const;
-  Vec3 lowest() const;  ///< the node with the smallest z
+  Real kinetic_energy() const;  ///< J
+  Real elastic_energy() const;  ///< J
+  Vec3 lowest() const;          ///< the node with the smallest z
   const std::vector<Real>& node_mass() const { return mass_; }
   const VecX& positions() const { return x_; }          ///< m, node by node
   const VecX& velocities() const { return v_; }         ///< m/s
@@ -89,7 +91,9 @@ class Tissue : public Component, public SolidBody {
   Vec3 momentum() const override;
   Real mass() const override;
   Vec3 centre_of_mass() const override;
-  Real energy() const override;
+  Real energy() const override { return kinetic_energy() + elastic_energy(); }
+  Real power(const VecX& force) const override { return force.dot(v_); }
+  Real held_power() const override { return reaction_.dot(v_); }
   bool finite() const override;
   std::string trouble() const override;
   std::string fault() const override;

@@ -61,11 +61,15 @@ Real Tissue::mass() const {
   return sum;
 }
 
-Real Tissue::energy() const {
+Real Tissue::kinetic_energy() const {
   Real kinetic = 0;
   for (std::size_t i = 0; i < mass_.size(); ++i)
     kinetic += 0.5 * mass_[i] * v_.segment<3>(3 * static_cast<Index>(i)).squaredNorm();
-  return kinetic + elastic_->energy(x_);
+  return kinetic;
+}
+
+Real Tissue::elastic_energy() const {
+  return elastic_->energy(x_);
 }
 
 bool Tissue::finite() const {

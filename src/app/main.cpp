@@ -63,6 +63,9 @@ int dispatch(int argc, char** argv) {
                    "Goes on from such a state; recorded files are cut back to its step")
       ->type_name("FILE");
 
+  run_command->add_flag("--lenient", run_arguments.lenient,
+                        "Ends with 0 also where steps miss their tolerances or have faults");
+
   SceneArguments check_arguments;
   CLI::App* check_command =
       app.add_subcommand("check", "Reads a scene and its files and lists every error");

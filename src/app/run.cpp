@@ -99,6 +99,7 @@ int exit_code(const RunResult& result, const Diagnostics& diagnostics) {
       return static_cast<int>(Category::file);
     case RunEnd::no_end:
       return usage;
+    case RunEnd::failed:
     case RunEnd::refused:
       break;
   }
@@ -136,7 +137,7 @@ int run(const RunArguments& arguments) {
     std::printf("%s: %s", arguments.scene.scene.c_str(), summary.text(result.seconds).c_str());
     std::fflush(stdout);
   }
-  if (!result.message.empty()) complain(result.message);
+  if (!result.message.empty() && result.end != RunEnd::failed) complain(result.message);
   if (result.end == RunEnd::done && summary.missed() > 0 && !arguments.lenient) {
     complain(std::to_string(summary.missed()) +
              " steps are less accurate than asked, or faulty: see the summary (--lenient accepts "

@@ -8,7 +8,7 @@
 namespace sutura {
 
 /// Adds the time between `enter` calls to the stage entered; the last one ends with the object.
-template <std::size_t N>
+template <class Stage, std::size_t N>
 class StageTimer {
  public:
   explicit StageTimer(std::array<double, N>& seconds) : seconds_(seconds) { seconds_.fill(0); }
@@ -16,11 +16,12 @@ class StageTimer {
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 
-  template <class Stage>
   void enter(Stage stage) {
     leave();
     current_ = static_cast<std::size_t>(stage);
   }
+  /// Undefined before the first one.
+  Stage current() const { return static_cast<Stage>(current_); }
 
  private:
   using Clock = std::chrono::steady_clock;

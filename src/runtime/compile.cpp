@@ -1,9 +1,8 @@
 // From the tree of a scene to the flat lists of a simulation.
 #include <algorithm>
-#include <exception>
-#include <new>
 #include <set>
 
+#include "runtime/failure.h"
 #include "runtime/gauss_seidel_component.h"
 #include "runtime/output_folder.h"
 #include "runtime/state.h"
@@ -37,22 +36,10 @@ class InitialisationOrder {
 
 /// A component that throws broke its promise; the report names it, whatever it threw.
 void call(Component& component, void (Component::*phase)(Setup&), Setup& setup) {
-  const std::string plugin = component.info().plugin;
-  const std::string whose = plugin == "core" ? "Sutura" : "the plugin '" + plugin + "'";
   try {
     (component.*phase)(setup);
-  } catch (const std::bad_alloc&) {
-    setup.error(component, component.info().name + " asks for more memory than there is");
-  } catch (const std::exception& e) {
-    setup.error(component,
-                component.info().name + " failed while it was initialised: " + e.what() +
-                    " (a fault in " + whose + ", not in the scene: please report it)",
-                Category::internal);
   } catch (...) {
-    setup.error(component,
-                component.info().name + " failed while it was initialised (a fault in " + whose +
-                    ", not in the scene: please report it)",
-                Category::internal);
+    setup.diagnostics.add(failure_of(&component, "while it was initialised"));
   }
 }
 
@@ -109,7 +96,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->bodies_.push_back({c->path(), body});
       s->const_bodies_.push_back(body);
       s->report_.compliance.push_back({.body = c->path()});
-      s->report_.bodies.push_back({.body = c->path(), .imbalance = {}});
+      s->report_.bodies.push_back({.body = c->path(), .imbalance = {}, .work = {}});
       s->imbalance_.emplace_back();
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
@@ -152,54 +139,18 @@ bool Simulation::settle(Diagnostics& diagnostics) {
   const auto wants = [](const NamedBody& b) { return b.body->wants_settling(); };
   if (std::none_of(bodies_.begin(), bodies_.end(), wants)) return true;
   for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
-  for (Driver* driver : drivers_) driver->drive({.dt = 0, .gravity = scene_->gravity});
-  for (const NamedBody& b : bodies_) {
-    if (!wants(b)) continue;
-    const std::string problem = b.body->settle(scene_->gravity);
-    if (!problem.empty())
-      diagnostics.error(scene_->find(b.path)->location(), b.path, "settle: " + problem);
+  try {
+    for (Driver* driver : drivers_) ask(driver).drive({.dt = 0, .gravity = scene_->gravity});
+    for (const NamedBody& b : bodies_) {
+      if (!wants(b)) continue;
+      const std::string problem = ask(b.body).settle(scene_->gravity);
+      if (!problem.empty())
+        diagnostics.error(scene_->find(b.path)->location(), b.path, "settle: " + problem);
+    }
+  } catch (...) {
+    diagnostics.add(failure_of(asked_, "while the scene settled"));
   }
   return diagnostics.ok();
-}
-
-std::string Simulation::start_recording() {
-  if (!written_files_.empty()) {
-    output_ = std::make_unique<OutputFolder>();
-    record_error_ = output_->take(output_directory_, written_files_);
-    if (!record_error_.empty()) return record_error_;
-  }
-  recording_ = true;
-  for (Recorder* recorder : recorders_) {
-    std::string error = recorder->start(*this);
-    if (error.empty()) error = recorder->record(*this, report_);
-    if (!error.empty()) return record_error_ = error;
-  }
-  return {};
-}
-
-std::string Simulation::resume_recording() {
-  if (!written_files_.empty()) {
-    output_ = std::make_unique<OutputFolder>();
-    record_error_ = output_->take(output_directory_, written_files_, OutputFolder::Before::stays);
-    if (!record_error_.empty()) return record_error_;
-  }
-  recording_ = true;
-  record_error_.clear();
-  for (Recorder* recorder : recorders_) {
-    const std::string error = recorder->resume(*this);
-    if (!error.empty()) return record_error_ = error;
-  }
-  return {};
-}
-
-std::string Simulation::finish_recording() {
-  recording_ = false;
-  for (Recorder* recorder : recorders_) {
-    const std::string error = recorder->finish(*this);
-    if (record_error_.empty()) record_error_ = error;
-  }
-  output_.reset();
-  return record_error_;
 }
 
 }  // namespace sutura

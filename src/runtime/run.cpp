@@ -53,8 +53,15 @@ RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
       result.message = std::move(message);
     }
   };
-  if (std::string error = begin(*simulation, options); !error.empty())
-    fail(RunEnd::file_failed, std::move(error));
+  const auto fail_if_broken = [&] {
+    const std::optional<Diagnostic>& failure = simulation->report().failure;
+    if (!failure || !result.message.empty()) return;
+    diagnostics.add(*failure);
+    fail(RunEnd::failed, failure->text());
+  };
+  const std::string unready = begin(*simulation, options);
+  fail_if_broken();
+  if (!unready.empty()) fail(RunEnd::file_failed, unready);
   result.first = result.last = simulation->report().step;
 
   const Real dt = simulation->scene().dt;
@@ -63,12 +70,13 @@ RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
   while (result.message.empty() && result.last < result.steps) {
     const StepReport& report = simulation->step();
     result.last = report.step;
+    fail_if_broken();
     if (!report.finite)
       fail(RunEnd::diverged,
            "diverged: the state is no longer finite after step " + std::to_string(report.step));
     else if (!simulation->record_error().empty())
       fail(RunEnd::file_failed, simulation->record_error());
-    else if (interval > 0 && report.step % interval == 0)
+    else if (result.message.empty() && interval > 0 && report.step % interval == 0)
       if (std::string error = simulation->save(checkpoint_file(options.output)); !error.empty())
         fail(RunEnd::file_failed, std::move(error));
     if (observer && !observer(*simulation, report, result)) {
@@ -77,8 +85,9 @@ RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
     }
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  if (std::string error = simulation->finish_recording(); !error.empty())
-    fail(RunEnd::file_failed, std::move(error));
+  const std::string unfinished = simulation->finish_recording();
+  fail_if_broken();
+  if (!unfinished.empty()) fail(RunEnd::file_failed, unfinished);
   return result;
 }
 

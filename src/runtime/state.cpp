@@ -71,6 +71,9 @@ void Simulation::archive_run(Archive& a) {
   for (BodyReport& body : report_.bodies) {
     a("imbalance", body.imbalance.force);
     a("relative_imbalance", body.imbalance.relative);
+    a("work_of_loads", body.work.loads);
+    a("work_of_holds", body.work.holds);
+    a("work_of_constraints", body.work.constraints);
   }
   a("finite", report_.finite);
   builder_->archive(a);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/stage_timer.h"
+#include "runtime/failure.h"
 #include "runtime/step_division.h"
 #include "solve/compliance_stage.h"
 #include "solve/law_check.h"
@@ -10,10 +11,26 @@
 
 namespace sutura {
 
-/// One step, or several shorter ones where that is too long to be solved.
+/// What throws leaves the bodies where they are in the middle of the step: it is the last one.
 const StepReport& Simulation::step() {
+  if (report_.failure) return report_;
+  const Index number = report_.step + 1;
   Timer timer(report_.seconds);
   begin_report();
+  try {
+    take_step(timer);
+  } catch (...) {
+    if (timer.current() == Stage::compliance)
+      asked_ = dynamic_cast<const Component*>(compliance_->asked());
+    report_.failure = failure_of(
+        asked_, "in stage '" + std::string(stage_names[static_cast<std::size_t>(timer.current())]) +
+                    "' of step " + std::to_string(number));
+  }
+  return report_;
+}
+
+/// One step, or several shorter ones where that is too long to be solved.
+void Simulation::take_step(Timer& timer) {
   const Real dt = scene_->dt;
   for (StepDivision division(scene_->limits.substeps); !division.done();) {
     const StepContext context{.dt = dt / static_cast<Real>(division.parts()),
@@ -33,9 +50,8 @@ const StepReport& Simulation::step() {
   // Files. Read-only.
   timer.enter(Stage::record);
   for (Recorder* recorder : recorders_) {
-    if (recording_ && record_error_.empty()) record_error_ = recorder->record(*this, report_);
+    if (recording_ && record_error_.empty()) record_error_ = ask(recorder).record(*this, report_);
   }
-  return report_;
 }
 
 void Simulation::begin_report() {
@@ -55,8 +71,8 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
   for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
-  for (Driver* driver : drivers_) driver->drive(context);
-  for (const NamedBody& b : bodies_) b.body->begin_step(context);
+  for (Driver* driver : drivers_) ask(driver).drive(context);
+  for (const NamedBody& b : bodies_) ask(b.body).begin_step(context);
   build(context, timer);
 
   Index least = 1;
@@ -100,7 +116,7 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   timer.enter(Stage::linearise);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i);
-    bodies_[i].body->linearise(context, body_force_[i]);
+    ask(bodies_[i].body).linearise(context, body_force_[i]);
     problem_.bodies[i].add_product(context.dt * bodies_[i].body->change(), problem_.d_free);
   }
 
@@ -115,7 +131,7 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   problem_.hold_events = true;
   const Index events = report_.solve.events;
   lambda_before_ = problem_.lambda;
-  report_.solve = problem_.rows() > 0 ? solver_->solve(problem_) : SolveReport{};
+  report_.solve = problem_.rows() > 0 ? ask(solver_).solve(problem_) : SolveReport{};
   report_.solve.events = events;
 
   // The next guess: dv += h A^-1 H^T (lambda - lambda before).
@@ -124,7 +140,7 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   problem_.lambda = lambda_before_ - problem_.lambda;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i);
-    bodies_[i].body->correct(context, body_force_[i]);
+    ask(bodies_[i].body).correct(context, body_force_[i]);
   }
   problem_.lambda.swap(lambda_before_);
 }
@@ -138,14 +154,15 @@ void Simulation::constraint_force(std::size_t body) {
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
 void Simulation::build(const StepContext& context, Timer& timer) {
   timer.enter(Stage::detect);
-  for (ConstraintSource* source : sources_) source->detect(context);
+  for (ConstraintSource* source : sources_) ask(source).detect(context);
   timer.enter(Stage::build);
   using Warm = ConstraintBuilder::Warm;
   builder_->begin(context.pass == 0 ? Warm::step_before : Warm::pass_before);
-  for (ConstraintSource* source : sources_) source->build(context, *builder_);
+  for (ConstraintSource* source : sources_) ask(source).build(context, *builder_);
   builder_->finish();
   report_.blocks = static_cast<Index>(problem_.blocks.size());
   report_.rows = problem_.rows();
+  check_rows(problem_, *scene_);
 }
 
 /// Momentum and violation of the present guess, with rows and forces as they are there.
@@ -155,7 +172,7 @@ bool Simulation::measure(const StepContext& context) {
   bool good = violation_ <= limits.gap_tolerance;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i);
-    imbalance_[i] = bodies_[i].body->imbalance(context, body_force_[i]);
+    imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);
     good = good && imbalance_[i].relative <= limits.tolerance;
     violation_ += 0 * imbalance_[i].relative;  // not finite if any is
   }
@@ -170,10 +187,14 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
   report_.solved = report_.solved && solved;
   report_.violation = std::max(report_.violation, violation_);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    Body& body = *bodies_[i].body;
+    Body& body = ask(bodies_[i].body);
     Imbalance& worst = report_.bodies[i].imbalance;
     if (!(imbalance_[i].relative <= worst.relative)) worst = imbalance_[i];
+    Work& work = report_.bodies[i].work;
+    work.constraints += context.dt * body.power(body_force_[i]);
+    work.loads += context.dt * body.power(body.load());
     body.end_step(context, body_force_[i]);
+    work.holds += context.dt * body.held_power();
     report_.finite = report_.finite && body.finite();
     const std::string trouble = body.trouble();
     if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
@@ -182,7 +203,7 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
   if (!report_.finite) return;  // a state that is not finite is not searched
   const SolvedBlocks blocks(problem_);
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    sources_[i]->commit(context, blocks);
+    ask(sources_[i]).commit(context, blocks);
     note_fault(source_paths_[i], sources_[i]->fault());
   }
 }

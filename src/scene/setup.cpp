@@ -25,8 +25,10 @@ fs::path Setup::resolve(const std::string& file) const {
 void Setup::note_if_outside(const Component& who, const std::string& file) {
   if (allow_outside) return;
   std::error_code ignored;
-  const fs::path here = fs::weakly_canonical(fs::absolute(scene_directory), ignored);
-  const fs::path there = fs::weakly_canonical(fs::absolute(resolve(file)), ignored);
+  // A scene that is named without a folder has an empty one.
+  const fs::path folder = scene_directory.empty() ? fs::path(".") : scene_directory;
+  const fs::path here = fs::weakly_canonical(fs::absolute(folder), ignored);
+  const fs::path there = fs::weakly_canonical(fs::absolute(folder / file), ignored);
   // A folder beside the one of the scene, as ../meshes, belongs to it.
   if (!leads_out(there.lexically_relative(here.parent_path()))) return;
   warning(who,

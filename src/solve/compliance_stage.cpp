@@ -14,6 +14,7 @@ void ComplianceStage::run(std::span<const Body* const> bodies, ConstraintProblem
   const Index n = problem.rows();
   in_W_.assign(static_cast<std::size_t>(n), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
+    asked_ = bodies[i];
     problem.chains[i].clear();
     reports[i].as_operator = false;
     reports[i].assembled_count = reports[i].operator_count = 0;
@@ -49,7 +50,7 @@ void ComplianceStage::run(std::span<const Body* const> bodies, ConstraintProblem
   if (mirror) mirror_lower_triangle(problem.W);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (problem.bodies[i].size() > 0 && !reports[i].as_operator && reports[i].assembled_count == 0)
-      bodies[i]->add_compliance(problem.bodies[i], dt, problem.W);
+      (asked_ = bodies[i])->add_compliance(problem.bodies[i], dt, problem.W);
 }
 
 /// Expected multiplications, in the two forms, of all that differs between them

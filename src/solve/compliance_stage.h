@@ -16,12 +16,15 @@ class ComplianceStage {
   /// cost of this one is expected. `reports`: one per body.
   void run(std::span<const Body* const> bodies, ConstraintProblem& problem, Real dt,
            ComplianceForm form, const SolveReport& last, std::span<ComplianceReport> reports);
+  /// The body that was asked last.
+  const Body* asked() const { return asked_; }
 
  private:
   void count(const ConstraintProblem& problem, std::size_t body, const SolveReport& last,
              ComplianceReport& report) const;
 
   ChainOperator chain_;
+  const Body* asked_ = nullptr;
   std::vector<char> in_W_;  // per row: in W whatever chains become
   Index always_ = 0;        // how many of those
 };

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     // Where the hand of the user is; here, up by 10 mm in a second.
     tool->move_to({Vec3(0, 0, i * 0.1e-3), Quat::Identity()});
     const StepReport& report = simulation->step();
-    if (!report.finite) return 4;
+    if (report.failure || !report.finite) return 4;
     for (const std::string& message : report.messages) std::printf("%s\n", message.c_str());
   }
 

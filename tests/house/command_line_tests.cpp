@@ -65,6 +65,23 @@ TEST_F(CommandLine, ResultsGoToTheOutputFolder) {
   EXPECT_EQ(lines(csv()), 7);  // header, start, five steps
 }
 
+// In the folder of the scene: its path has no folder in it.
+TEST_F(CommandLine, ASceneInTheCurrentFolderFindsItsFiles) {
+  const Outcome out =
+      command("check TetMesh.xml", "cd '" SUTURA_SOURCE_DIR "/scenes/components' && ");
+  EXPECT_EQ(out.code, 0) << out.text;
+}
+
+TEST_F(CommandLine, ARunThatMissesItsTolerancesIsFiveUnlessLenient) {
+  const std::string run = "run '" SUTURA_SOURCE_DIR
+                          "/scenes/components/SutureThread.xml' --steps 2 --set .tolerance=1e-12" +
+                          output();
+  const Outcome out = command(run);
+  EXPECT_EQ(out.code, 5) << out.text;
+  EXPECT_NE(out.text.find("--lenient"), std::string::npos) << out.text;
+  EXPECT_EQ(command(run + " --lenient").code, 0);
+}
+
 TEST_F(CommandLine, CheckWritesNothing) {
   const fs::path before = fs::current_path();
   fs::current_path(folder_.path());

@@ -1,4 +1,4 @@
-# Builds plugins/hello_law as a stranger would: from a copy, against an installed package. Run by ctest as
+# Builds plugins/hello_law and hello_staple as a stranger would: from a copy, against an installed package. Run by ctest as
 #   cmake -DBUILD=... -DSOURCE=... -DWORK=... -DGENERATOR=... -P outside_plugin.cmake
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
@@ -11,7 +11,7 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-file(COPY ${SOURCE}/plugins/hello_law DESTINATION ${WORK})
+file(COPY ${SOURCE}/plugins/hello_law ${SOURCE}/plugins/hello_staple DESTINATION ${WORK})
 
 if(NOT EXISTS ${WORK}/prefix/share/doc/sutura/LICENSE)
   message(FATAL_ERROR "the installed tree has no LICENSE")
@@ -27,10 +27,12 @@ foreach(file IN LISTS package_files)
   endif()
 endforeach()
 
-run(${CMAKE_COMMAND} -S ${WORK}/hello_law -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-    -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS=${FLAGS}")
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build --output-on-failure)
+foreach(plugin hello_law hello_staple)
+  run(${CMAKE_COMMAND} -S ${WORK}/${plugin} -B ${WORK}/build/${plugin} -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+      -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS=${FLAGS}")
+  run(${CMAKE_COMMAND} --build ${WORK}/build/${plugin})
+  run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build/${plugin} --output-on-failure)
+endforeach()
 
 # A host of one's own, as docs/extend/embed.md lists it.
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/host -B ${WORK}/host -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
@@ -42,6 +44,11 @@ if(NOT last_output MATCHES "the jaws pull with [0-9.]+ mN")
 endif()
 
 # The command finds the plugins of the package by itself and the stranger's by the variable.
-run(${CMAKE_COMMAND} -E env SUTURA_PLUGIN_PATH=${WORK}/build ${WORK}/prefix/bin/sutura run
-    ${WORK}/hello_law/band.xml --output ${WORK}/out)
-message(STATUS "${last_output}")
+foreach(scene hello_law/band.xml hello_staple/staple.xml)
+  run(${CMAKE_COMMAND} -E env SUTURA_PLUGIN_PATH=${WORK}/build/hello_law:${WORK}/build/hello_staple
+      ${WORK}/prefix/bin/sutura run ${WORK}/${scene} --output ${WORK}/out)
+  message(STATUS "${last_output}")
+endforeach()
+if(NOT EXISTS ${WORK}/out/staple.pvd)
+  message(FATAL_ERROR "the staple has not drawn itself")
+endif()

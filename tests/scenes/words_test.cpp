@@ -1,4 +1,5 @@
 // What a scene can say of needle, thread and pose, and what it is told when it says it wrongly.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -191,6 +192,35 @@ TEST(Words, ATissueThatNothingHoldsCannotSettle) {
       "gravity=\"0 0 -9.81\"");
   EXPECT_FALSE(run);
   EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
+}
+
+TEST(Words, SizesThatAreMoreLikelyASlipOfTheUnitAreDoubted) {
+  for (const char* slip : {"thread_length=\"50\"", "needle_length=\"17\"",
+                           "needle_diameter=\"0.65\"", "thread_diameter=\"0.175\""}) {
+    const TextRun run("<SutureThread " + std::string(slip) + "/>");
+    EXPECT_NE(run.said().find("is the unit right?"), std::string::npos) << slip << run.said();
+  }
+  EXPECT_EQ(TextRun("<SutureThread thread_length=\"3 m\"/>").said(), "");
+}
+
+// As it is drawn: a point three diameters long, then the wire, then the thread.
+TEST(Words, ANeedleIsDrawnWithAPoint) {
+  TextRun run(
+      "<SutureThread needle_length=\"26 mm\" needle_diameter=\"0.65 mm\" "
+      "needle_beams=\"40\" thread_diameter=\"0.2 mm\"/>");
+  ASSERT_TRUE(run) << run.said();
+  const BodyGeometry g = run.simulation().bodies()[0].body->geometry();
+  const auto field = [&g](const std::string& name) {
+    const auto found = std::find_if(g.fields.begin(), g.fields.end(),
+                                    [&](const auto& f) { return f.name == name; });
+    return found == g.fields.end() ? std::vector<Real>(g.points.size()) : found->values;
+  };
+  const std::vector<Real> s = field("abscissa [m]"), drawn = field("drawn radius [m]");
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Real wire = s[i] < 26e-3 - 1e-9 ? 0.325e-3 : 0.1e-3;
+    EXPECT_NEAR(drawn[i], wire * std::min(1., s[i] / 1.95e-3), 1e-9) << s[i];
+  }
+  EXPECT_EQ(field("radius [m]").front(), 0.325e-3);  // as computed with
 }
 
 }  // namespace

@@ -56,6 +56,23 @@ class Puller : public Component, public ConstraintSource {
   Index id_ = 0;
 };
 
+/// A pole as high as the number of the step (m), down again in step 3.
+class Flag : public Component, public Driver, public Drawing {
+ public:
+  static void describe(Describe<Flag>& d) { d.summary("Draws itself."); }
+  void drive(const StepContext& context) override { height_ = static_cast<Real>(context.step + 1); }
+  BodyGeometry geometry() const override {
+    BodyGeometry line;
+    if (height_ == 3) return line;
+    line.points = {Vec3::Zero(), Vec3(0, 0, height_)};
+    line.connectivity = {0, 1};
+    return line;
+  }
+
+ private:
+  Real height_ = 0;
+};
+
 std::string contents(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
@@ -71,6 +88,7 @@ class Recorders : public testing::Test {
     registry_.component<ConstraintTable>("ConstraintTable");
     registry_.component<fake::Curve>("Curve");
     registry_.component<Puller>("Puller");
+    registry_.component<Flag>("Flag");
     registry_.law<Pull>();
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     folder_ = std::filesystem::path(testing::TempDir()) / (std::string("sutura_") + test->name());
@@ -186,6 +204,16 @@ TEST_F(Recorders, VtuHoldsBodiesAndConstraintForces) {
   EXPECT_EQ(some.at("mode").numbers<float>(), std::vector<float>{3});
   EXPECT_EQ(some.at("law").numbers<float>(), std::vector<float>{0});
   EXPECT_EQ(some.count("law 0 is pull"), 1u);
+}
+
+TEST_F(Recorders, VtuHoldsWhatComponentsDrawThemselves) {
+  ASSERT_EQ(run("<Curve name='rod'/><Flag name='flag'/><VtuRecorder/>", 3), "");
+  const auto flag = read_vtu_arrays(contents(folder_ / "flag/flag_000002.vtu"));
+  EXPECT_EQ(flag.at("Points").numbers<double>(), (std::vector<double>{0, 0, 0, 0, 0, 2}));
+  EXPECT_EQ(flag.at("types").numbers<std::uint8_t>(), std::vector<std::uint8_t>{3});
+  // It draws nothing in step 3.
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "flag/flag_000003.vtu"));
+  EXPECT_EQ(contents(folder_ / "flag.pvd").find("flag_000003"), std::string::npos);
 }
 
 TEST_F(Recorders, VtuEverySoManyStepsOrSeconds) {

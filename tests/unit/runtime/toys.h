@@ -199,8 +199,10 @@ struct World {
   Registry registry;
   std::unique_ptr<Simulation> simulation;
 
-  explicit World(const std::string& elements) {
+  /// `more` enrols components of the test's own.
+  explicit World(const std::string& elements, void (*more)(Registry&) = nullptr) {
     log().clear();
+    if (more != nullptr) more(registry);
     enrol_builtin(registry);
     registry.component<Mass>("Mass");
     registry.component<Pin>("Pin");

@@ -208,6 +208,8 @@ TEST(Tissue, DoubtsWhatIsSeldomMeant) {
     EXPECT_FALSE(said("<Tissue poisson='0.45' element='" + std::string(element) + "'/>" + held,
                       "too stiffly"));
   EXPECT_FALSE(said("<Tissue poisson='0.3'/>" + held, "too stiffly"));
+  TissueScene large("<TetMesh file='scenes/meshes/pad.msh' unit='m'/><Tissue/>" + held);
+  EXPECT_NE(all_messages(large.diagnostics).find("the mesh is 50 m long"), std::string::npos);
 }
 
 // The pad of the demo.

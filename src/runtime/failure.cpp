@@ -1,0 +1,63 @@
+#include "runtime/failure.h"
+
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <new>
+
+#include "sutura/describe.h"
+#include "sutura/scene.h"
+
+namespace sutura {
+
+void check_rows(const ConstraintProblem& problem, const Scene& scene) {
+  if (problem.rows() <= most_rows) return;
+  std::map<Index, Index> rows;  // by source, which is numbered from 1 in document order
+  for (const ConstraintBlock& b : problem.blocks) rows[source_of(b.key)] += b.law->dim;
+  const auto most = std::max_element(
+      rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  Diagnostic d;
+  d.message = std::to_string(problem.rows()) + " constraint rows in one step; expected at most " +
+              std::to_string(most_rows) + " (they are a dense system)";
+  const std::vector<Component*> components = scene.components();
+  if (most->first >= 1 && most->first <= static_cast<Index>(components.size())) {
+    const Component& c = *components[static_cast<std::size_t>(most->first - 1)];
+    d.location = c.location();
+    d.node_path = c.path();
+    d.message += ", of which this component makes " + std::to_string(most->second);
+    const auto* source = dynamic_cast<const ConstraintSource*>(&c);
+    if (source != nullptr && source->rows_attribute() != nullptr)
+      d.message += std::string("; '") + source->rows_attribute() + "' decides how many";
+  }
+  throw TooManyRows{std::move(d)};
+}
+
+Diagnostic failure_of(const Component* who, const std::string& when) {
+  Diagnostic d;
+  d.category = Category::internal;
+  std::string name = "Sutura", whose = "Sutura";
+  if (who != nullptr && !who->path().empty()) {
+    d.location = who->location();
+    d.node_path = who->path();
+    name = who->info().name;
+    if (who->info().plugin != "core") whose = "the plugin '" + who->info().plugin + "'";
+  }
+  std::string what;
+  try {
+    throw;
+  } catch (const TooManyRows& rows) {
+    return rows.diagnostic;
+  } catch (const std::bad_alloc&) {
+    d.category = Category::scene;
+    d.message = name + " asks for more memory than there is, " + when;
+    return d;
+  } catch (const std::exception& e) {
+    what = std::string(": ") + e.what();
+  } catch (...) {
+  }
+  d.message = name + " failed " + when + what + " (a fault in " + whose +
+              ", not in the scene: please report it)";
+  return d;
+}
+
+}  // namespace sutura
