@@ -157,6 +157,7 @@ class Rod {
   void take_guess(bool inertia);
   void keep_lengths();
   void take_velocity();
+  Real slope() const;
   void evaluate_guess();
   bool buckles();
   void add_beam_balance(Index e);

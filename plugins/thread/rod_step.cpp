@@ -292,7 +292,8 @@ void Rod::correct(const Dofs& force_change) {
   answer_ = force_change;
   for (const Index node : clamped_) answer_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(answer_));
-  answer_ = dt_ * (change_ + dt_ * answer_);
+  change_ += dt_ * answer_;
+  answer_ = dt_ * change_;
   const Real turn = largest_turn(pose_, answer_);
   Real part = std::min(1., turn_limit / turn);
   predict_tension(answer_, part);
@@ -301,16 +302,23 @@ void Rod::correct(const Dofs& force_change) {
     turned = as_change_of_spin(dt_ * velocity_.segment<3>(6 * i + 3), turned);
   }
   // Passes may lift the potential on their best way, as long as they contract: a turn fakes
-  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
+  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken: what
+  // is missing must not point back by more than it pointed ahead.
   const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
-  const Real before = contracts ? 0 : potential();
+  const Real ahead = contracts ? 0 : slope();
   velocity_ += part / dt_ * answer_;
   take_velocity();
-  for (int cut = 0; cut < 12 && !contracts && !(potential() <= before); ++cut, part /= 2) {
+  for (int cut = 0; cut < 12 && !contracts && !(slope() >= -ahead); ++cut, part /= 2) {
     velocity_ -= part / (2 * dt_) * answer_;
     take_velocity();
   }
   last_turn_ = turn;
+}
+
+/// How fast the potential falls along the change of this pass (J). Forces of constraints have no
+/// potential where sections turn; they have this.
+Real Rod::slope() const {
+  return change_.dot(missing_) + dt_ * change_.dot(force_);
 }
 
 void Rod::guess(const VecX& velocity) {

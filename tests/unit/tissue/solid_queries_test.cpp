@@ -95,6 +95,38 @@ TEST(SolidQueries, SignedDistanceToACube) {
   EXPECT_FALSE(s.queries->closest_surface(Vec3(0.5, 0.5, 2), 0.9));
 }
 
+// Two cubes that touch, as the lips of a closed wound do: whoever says which side it means gets that
+// one, although the other is as near.
+TEST(SolidQueries, EachSideOfAClosedSlitIsFoundByItsNormal) {
+  MeshData lips = cube();
+  const MeshData other = cube();
+  const auto nodes = static_cast<Index>(lips.points.size());
+  for (const Vec3& p : other.points) lips.points.push_back(p + Vec3::UnitX());
+  for (Tet t : other.tets) {
+    for (Index& i : t) i += nodes;
+    lips.tets.push_back(t);
+    lips.region.push_back(1);
+  }
+  Solid s(lips);
+  Uniform uniform;
+  for (int i = 0; i < 200; ++i) {
+    Vec3 p = uniform(0.3, 0.7);
+    p.x() = 1 + 0.1 * (p.x() - 0.5);
+    for (const Real side : {1., -1.}) {
+      const Vec3 facing(side, 0.1, -0.2);
+      const auto near = s.queries->closest_surface(p, 1, facing);
+      ASSERT_TRUE(near);
+      EXPECT_NEAR(near->position.x(), 1, 1e-14);
+      EXPECT_NEAR(near->normal.x(), side, 1e-14);
+      EXPECT_NEAR(near->distance, side * (p.x() - 1), 1e-14);
+      const auto crossed = s.queries->crossing(p - 0.3 * facing, p + 0.3 * facing, facing);
+      ASSERT_TRUE(crossed);
+      EXPECT_NEAR(crossed->position.x(), 1, 1e-14);
+      EXPECT_NEAR(crossed->normal.x(), side, 1e-14);
+    }
+  }
+}
+
 // The sign near concave edges: outside is where no tet is.
 TEST(SolidQueries, SignIsRightAtConcaveEdgesAndCorners) {
   Solid s(notched());
