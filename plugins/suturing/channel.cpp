@@ -130,11 +130,6 @@ const PathSample* Channel::find(std::uint64_t id) const {
   return i < passed_ ? &samples_[i] : nullptr;
 }
 
-void Channel::set_friction_mode(std::uint64_t id, std::uint8_t mode) {
-  const std::size_t i = place(id);
-  if (i < samples_.size()) samples_[i].friction_mode = mode;
-}
-
 void Channel::update() {
   find_abscissae();
   retract();
@@ -219,7 +214,6 @@ void Channel::archive(Archive& a) {
     each("abscissa", s.abscissa);
     each("slip", s.slip);
     each("lateral_force", s.lateral_force);
-    each("friction_mode", s.friction_mode);
     each("kind", s.kind);
   });
   a("passed", passed_);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "puncture_law.h"
-#include "region_values.h"
 #include "sutura/archive.h"
 
 namespace sutura {
@@ -29,12 +28,7 @@ void Puncture::describe(Describe<Puncture>& d) {
               "Puncture force fp on entry, where no region says otherwise.");
   d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-12, 1e9),
               "Puncture force from inside.");
-  d.attribute("regions", &Puncture::regions_text_,
-              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
-              "threshold of their own, on the surface and as a "
-              "layer under another.");
-  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-12, 1e9),
-              "One threshold per region in `regions`.");
+  describe_regions(d, between(1e-12, 1e9), ", on the surface and as a layer under another");
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
   d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
@@ -69,7 +63,7 @@ void Puncture::describe(Describe<Puncture>& d) {
 
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
+  find_regions(*this, setup, path_->tissue());
 }
 
 void Puncture::ready(Setup& setup) {
@@ -121,8 +115,7 @@ void Puncture::detect(const StepContext& context) {
 
 Real Puncture::threshold_of_front() const {
   if (front_ == Front::exit) return exit_threshold_;
-  return region_value(path_->tissue().region(touched_.at), regions_, region_thresholds_,
-                      threshold_);
+  return threshold_of(path_->tissue().region(touched_.at), threshold_);
 }
 
 /// The surface point and its normal at the present guess.
@@ -215,10 +208,6 @@ Puncture::Front Puncture::find_layer() {
               .normal = -forward,
               .distance = high};
   return Front::layer;
-}
-
-bool Puncture::has_threshold(int region) const {
-  return region_value(region, regions_, region_thresholds_, -1) >= 0;
 }
 
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {

@@ -4,7 +4,6 @@
 
 #include "base/stage_timer.h"
 #include "runtime/step_division.h"
-#include "solve/compliance_stage.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
 
@@ -101,13 +100,15 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i);
     bodies_[i].body->linearise(context, body_force_[i]);
-    problem_.bodies[i].add_product(context.dt * bodies_[i].body->change(), problem_.d_free);
+    problem_.bodies[i].add_product(context.dt, bodies_[i].body->change(), problem_.d_free);
   }
 
-  // W = h^2 H A^-1 H^T: assembled, or an operator where the body is a chain and that is cheaper.
+  // W = h^2 H A^-1 H^T, the sum over the bodies.
   timer.enter(Stage::compliance);
-  compliance_->run(const_bodies_, problem_, context.dt, solver_->compliance_form(), report_.solve,
-                   report_.compliance);
+  problem_.W.setZero(problem_.rows(), problem_.rows());
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (problem_.bodies[i].size() > 0)
+      bodies_[i].body->add_compliance(problem_.bodies[i], context.dt, problem_.W);
 
   // lambda and the state of every block.
   timer.enter(Stage::solve);
