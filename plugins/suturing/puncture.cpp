@@ -6,6 +6,15 @@
 #include "sutura/archive.h"
 
 namespace sutura {
+namespace {
+
+// In units of `reach`.
+constexpr Real still_outside = 1e-3;  // a tip that begins no deeper than this lies on the surface
+constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
+constexpr Real behind = 0.1;          // from where, behind the tip, the front of a layer is sought
+constexpr Real found = 1e-6;          // and to which accuracy
+
+}  // namespace
 
 void Puncture::describe(Describe<Puncture>& d) {
   d.summary(
@@ -69,7 +78,7 @@ void Puncture::initialise(Setup& setup) {
 void Puncture::ready(Setup& setup) {
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot = path_->tissue().closest_surface(tip, reach_, Configuration::current);
-  const bool touching = foot && foot->distance > -1e-3 * reach_;
+  const bool touching = foot && foot->distance > -still_outside * reach_;
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
@@ -99,7 +108,7 @@ void Puncture::detect(const StepContext& context) {
     }
     const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
-    blocked_ = inside && front_ != Front::none && to_go < 0.01 * reach_;
+    blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
   if (front_ == Front::none || front_ == Front::overrun) return;
@@ -189,10 +198,10 @@ Puncture::Front Puncture::find_layer() {
     if (here) region_ = tissue.region(*here);
     return Front::none;
   }
-  Real low = -0.1 * reach_;
+  Real low = -behind * reach_;
   Real high = reach;
   EmbeddedPoint at = *beyond;
-  while (high - low > 1e-6 * reach_) {
+  while (high - low > found * reach_) {
     const Real middle = 0.5 * (low + high);
     const auto p = tissue.locate(tip + middle * forward, Configuration::start);
     if (p && tissue.region(*p) == next) {
