@@ -155,9 +155,9 @@ Puncture::Front Puncture::find_entry() {
     // without a puncture.
     const auto way_in =
         path_->tissue().closest_surface(tip, thread.length(), Configuration::start, back);
-    touched_ =
-        way_in ? *way_in
-               : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
+    touched_ = way_in
+                   ? *way_in
+                   : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
     return Front::overrun;
   }
   if (!hit) return Front::none;
