@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <functional>
 
-#include "solve/compliance_stage.h"
 #include "solve/gauss_seidel.h"
 #include "solve/law_check.h"
 #include "sutura/constraints.h"
@@ -200,19 +199,20 @@ class SmallWorld {
   SolveReport pass() {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       bodies[i]->linearise(context, force_on(i));
-      problem.bodies[i].add_product(context.dt * bodies[i]->change(), problem.d_free);
+      problem.bodies[i].add_product(context.dt, bodies[i]->change(), problem.d_free);
     }
-    std::vector<ComplianceReport> reports(bodies.size());
-    const std::vector<const Body*> all(bodies.begin(), bodies.end());
-    ComplianceStage().run(all, problem, context.dt, ComplianceForm::automatic, {}, reports);
+    problem.W.setZero(problem.rows(), problem.rows());
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (problem.bodies[i].size() > 0)
+        bodies[i]->add_compliance(problem.bodies[i], context.dt, problem.W);
     check.begin(problem);
     problem.hold_events = true;
-    VecX change = -problem.lambda;
+    const GrowingVec before = problem.lambda;
     const SolveReport report = solver.solve(problem);
-    change += problem.lambda;
-    change.swap(problem.lambda);
+    const GrowingVec after = problem.lambda;
+    problem.lambda -= before;
     for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i]->correct(context, force_on(i));
-    change.swap(problem.lambda);
+    problem.lambda = after;
     return report;
   }
   bool measure() {

@@ -1,12 +1,10 @@
-// A path on a real thread: the problem that the thread's rows make, in both forms of its
-// compliance.
+// A path on a real thread: the problem that the thread's rows make.
 #pragma once
 
 #include <memory>
 
 #include "../plugins/suturing/path_friction_law.h"
 #include "../plugins/thread/suture_thread.h"
-#include "solve/compliance_stage.h"
 #include "sutura/laws/bilateral.h"
 
 namespace sutura::test {
@@ -76,8 +74,8 @@ class ThreadPath {
     thread.solve(moved);
     moved_ = moved.col(0);
   }
-  /// The blocks of a step; compliance as asked for.
-  void build(ConstraintProblem& problem, ComplianceForm form) {
+  /// The blocks of a step, and W.
+  void build(ConstraintProblem& problem) {
     ConstraintBuilder builder(problem, bodies);
     builder.begin();
     for (Index i = 0; i < options_.samples; ++i) {
@@ -107,16 +105,17 @@ class ThreadPath {
       builder.couple(friction, tissue_, -along, at_tissue, Vec3::Zero());
     }
     builder.finish();
-    std::vector<ComplianceReport> reports(bodies.size());
-    ComplianceStage().run(bodies, problem, options_.dt, form, last, reports);
-    report = reports[0];
+    make_compliance(problem);
+  }
+  void make_compliance(ConstraintProblem& problem) const {
+    problem.W.setZero(problem.rows(), problem.rows());
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (problem.bodies[i].size() > 0)
+        bodies[i]->add_compliance(problem.bodies[i], options_.dt, problem.W);
   }
 
   thread::SutureThread thread;
   std::vector<const Body*> bodies;
-  SolveReport last{.sweeps = 1,
-                   .factorisations = 1};  ///< what the choice of form expects of the solve
-  ComplianceReport report;
 
  private:
   ThreadPathOptions options_;

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "sutura/compliance.h"
 #include "sutura/types.h"
 
 namespace sutura {
@@ -58,9 +57,9 @@ struct BodyRows {
   void clear();
   Index size() const { return static_cast<Index>(row.size()); }
   /// force += H^T lambda; lambda over all rows of the problem, force over the dofs of the body.
-  void add_transposed(const VecX& lambda, VecX& force) const;
-  /// delta += H u; u over the dofs of the body, delta over all rows of the problem.
-  void add_product(const VecX& u, VecX& delta) const;
+  void add_transposed(const Eigen::Ref<const VecX>& lambda, VecX& force) const;
+  /// delta += scale H u; u over the dofs of the body, delta over all rows of the problem.
+  void add_product(Real scale, const Eigen::Ref<const VecX>& u, Eigen::Ref<VecX> delta) const;
 };
 
 /// Geometry and fields for recorders.
@@ -129,12 +128,9 @@ class Body {
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
   /// dofs answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
-  /// For a chain: what its compliance is made of, between the nodes that `rows` touch (`out` keeps
-  /// its memory from step to step). False if the body is no chain. Exact, or false.
-  virtual bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const;
   /// W(row, row') += h^2 H A^-1 H^T over the rows of this body. The default solves one column per
   /// row; a body that knows better overrides it, and may approximate: what a pass leaves of
-  /// violation is measured, and the next pass takes it up. Not asked of chains.
+  /// violation is measured, and the next pass takes it up.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
 
   /// Stage correct: adds the answer to a change of the constraint force (N, N m; size dofs) and

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sutura/body.h"
+#include "sutura/growing.h"
 #include "sutura/law.h"
 
 namespace sutura {
@@ -62,21 +63,19 @@ struct ConstraintBlock {
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
 };
 
-/// One step's problem: delta = W lambda + d_free, and a law per block. W is the sum over bodies:
-/// `W` holds those that are assembled, `chains` those that are kept as operators.
+/// One step's problem: delta = W lambda + d_free, and a law per block.
 class ConstraintProblem {
  public:
   std::vector<ConstraintBlock> blocks;
   std::vector<std::max_align_t> params;
-  VecX gap;     ///< per row: violation at the guess, as the sources measured it
-  VecX d_free;  ///< per row: what the linear answer leaves of the gap without lambda
-  VecX lambda;  ///< per row; on entry the warm start, on exit the solution
-  VecX delta;   ///< per row; on exit W lambda + d_free
-  MatX W;       ///< rows x rows, the sum over assembled bodies; 0 x 0 if none of them has rows
-  std::vector<BodyRows> bodies;         ///< H, one per body of the simulation
-  std::vector<ChainCompliance> chains;  ///< as `bodies`; empty where the body is in W
+  GrowingVec gap;     ///< per row: violation at the guess, as the sources measured it
+  GrowingVec d_free;  ///< per row: what the linear answer leaves of the gap without lambda
+  GrowingVec lambda;  ///< per row; on entry the warm start, on exit the solution
+  GrowingVec delta;   ///< per row; on exit W lambda + d_free
+  GrowingMat W;       ///< rows x rows, the sum over the bodies
+  std::vector<BodyRows> bodies;  ///< H, one per body of the simulation
 
-  /// Irreversible events must wait: lambda is that of a guess.
+  /// Events must wait: lambda is that of a guess.
   bool hold_events = false;
 
   Index rows() const { return gap.size(); }
@@ -95,8 +94,7 @@ class ConstraintBuilder {
   /// `bodies`: all bodies of the simulation, in row order of `problem.bodies`.
   ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies);
 
-  /// Where known keys take lambda and mode from. Of the last step they take lambda alone: the mode
-  /// in which a step begins is the source's to say.
+  /// Where known keys take lambda and mode from.
   enum class Warm { step_before, pass_before };
   void begin(Warm warm = Warm::step_before);
   /// Assembles H; warm-starts known keys.
@@ -104,7 +102,7 @@ class ConstraintBuilder {
   /// What the problem holds now is the end of a step.
   void accept();
 
-  /// gap: violation at the guess. `mode` is where the law starts.
+  /// gap: violation at the guess. `mode` is where a block begins whose key was not there before.
   template <Law L>
   BlockId add(Key key, const typename L::Params& params, const BlockVector<L::dim>& gap,
               Mode mode = 0, BlockUnits units = {}) {
@@ -134,11 +132,12 @@ class ConstraintBuilder {
     Index first;
     Mode mode;
   };
-  /// Blocks by key, with their lambda.
+  /// Blocks by key, with their lambda and mode.
   struct Memory {
     std::vector<Known> blocks;
-    VecX lambda;
-    void remember(const ConstraintProblem& problem);
+    std::vector<Real> lambda;
+    /// `next`: what it will be asked for.
+    void remember(const ConstraintProblem& problem, Warm next);
     const Known* find(const ConstraintBlock& block) const;
     void archive(Archive& archive, std::set<std::string>& laws);
   };
@@ -201,7 +200,7 @@ class ConstraintSource {
 struct SolveReport {
   Index sweeps = 0;
   Index direct_solves = 0;   ///< subspace steps
-  Index events = 0;          ///< irreversible events fired during the solve
+  Index events = 0;          ///< fired during the step
   Index factorisations = 0;  ///< of which with a new matrix
   Real residual = 0;         ///< law residual, in units of the blocks
   Real violation = 0;        ///< largest distance of a block from its law (m)
@@ -214,9 +213,6 @@ class ConstraintSolver {
   static constexpr const char* interface_name = "ConstraintSolver";
   virtual ~ConstraintSolver() = default;
   virtual SolveReport solve(ConstraintProblem& problem) = 0;
-  /// How this solver wants the compliance of chains. One that reads nothing but problem.W leaves it
-  /// at that.
-  virtual ComplianceForm compliance_form() const { return ComplianceForm::assembled; }
 };
 
 }  // namespace sutura

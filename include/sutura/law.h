@@ -68,16 +68,27 @@ concept Law =
   {L::free_directions(d, p, mode, lambda, free)};
 };
 
-/// A law with irreversible events adds
-///   static bool event(const Params&, const BlockVector<dim>& delta, Mode&, const BlockVector<dim>&
-///   lambda)
-/// which changes the mode and returns true if the event is due. Called only on converged
-/// multipliers.
+/// A law with events (something breaks, or breaks away) adds
+///   static bool event(const Params&, const BlockVector<dim>& delta, Mode&,
+///                     const BlockVector<dim>& lambda)
+/// which changes the mode and returns true if the event is due. Called only on forces that are
+/// converged and verified; nothing takes the change back within the step.
 template <class L>
 concept LawWithEvents = Law<L> &&
     requires(const typename L::Params& p, const BlockVector<L::dim>& delta, Mode& mode,
              const BlockVector<L::dim>& lambda) {
   { L::event(p, delta, mode, lambda) } -> std::same_as<bool>;
+};
+
+/// A law whose blocks do not all begin the next step in the mode in which they ended this one adds
+///   static Mode next_mode(const Params&, const BlockVector<dim>& delta, Mode,
+///                         const BlockVector<dim>& lambda)
+/// Called once per step, with what its end is.
+template <class L>
+concept LawWithNextMode = Law<L> &&
+    requires(const typename L::Params& p, const BlockVector<L::dim>& delta, Mode mode,
+             const BlockVector<L::dim>& lambda) {
+  { L::next_mode(p, delta, mode, lambda) } -> std::same_as<Mode>;
 };
 
 /// One block, untyped, as the solver stores it. Pointers into the problem's arrays.
@@ -106,6 +117,8 @@ struct LawOperations {
   void (*free_directions)(const BlockView&, FreeDirectionsView&);
   bool (*event)(const void* params, const Real* delta, Mode* mode,
                 const Real* lambda);  ///< or null
+  Mode (*next_mode)(const void* params, const Real* delta, Mode mode,
+                    const Real* lambda);  ///< or null: the mode stays
 };
 
 namespace detail {
@@ -145,11 +158,20 @@ bool event_of_block(const void* params, const Real* delta, Mode* mode, const Rea
 }
 
 template <class L>
+Mode next_mode_of_block(const void* params, const Real* delta, Mode mode, const Real* lambda) {
+  constexpr int n = L::dim;
+  return L::next_mode(*static_cast<const typename L::Params*>(params),
+                      BlockVector<n>(Eigen::Map<const BlockVector<n>>(delta)), mode,
+                      BlockVector<n>(Eigen::Map<const BlockVector<n>>(lambda)));
+}
+
+template <class L>
 constexpr LawOperations make_operations() {
   LawOperations ops{
       L::name, L::dim, sizeof(typename L::Params), &project_block<L>, &free_directions_of_block<L>,
-      nullptr};
+      nullptr, nullptr};
   if constexpr (LawWithEvents<L>) ops.event = &event_of_block<L>;
+  if constexpr (LawWithNextMode<L>) ops.next_mode = &next_mode_of_block<L>;
   return ops;
 }
 

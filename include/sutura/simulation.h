@@ -58,8 +58,7 @@ struct StepReport {
   Index parts = 1;     ///< into how many the step was divided at its finest
   bool solved = true;  ///< every part met the tolerances
   Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
-  std::vector<BodyReport> bodies;            ///< in the order of Simulation::bodies
-  std::vector<ComplianceReport> compliance;  ///< likewise
+  std::vector<BodyReport> bodies;  ///< in the order of Simulation::bodies
   bool finite = true;
   std::vector<std::string> messages;  ///< what is worth knowing of the bodies: "path: sentence"
   std::vector<std::string> faults;    ///< why this step cannot be trusted: "path: sentence"
@@ -83,7 +82,6 @@ class Driver {
 };
 
 class Simulation;
-class ComplianceStage;
 class OutputFolder;
 class LawCheck;
 template <class, std::size_t>
@@ -182,7 +180,6 @@ class Simulation {
   ConstraintSolver* solver_ = nullptr;
   ConstraintProblem problem_;
   std::unique_ptr<ConstraintBuilder> builder_;
-  std::unique_ptr<ComplianceStage> compliance_;
   std::filesystem::path output_directory_;
   std::vector<std::string> written_files_;  ///< relative to the folder, with patterns
   std::unique_ptr<OutputFolder> output_;    ///< from start_recording to finish_recording
@@ -192,7 +189,7 @@ class Simulation {
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
   Real violation_ = 0;                ///< likewise
   std::string identity_;              ///< of scene, files and build: what a state must agree with
-  VecX lambda_before_;
+  GrowingVec lambda_before_;
   const Component* asked_ = nullptr;  ///< the component at work
   StepReport report_;
   bool recording_ = false;

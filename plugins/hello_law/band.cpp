@@ -42,7 +42,7 @@ class Band : public Component, public ConstraintSource {
 
     // delta = along . (x - anchor) + rest length.
     const BlockVector<1> gap = along * (now - anchor_) + BlockVector<1>(rest_length_);
-    block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, gap, mode_);
+    block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, gap);
 
     PointJacobian J;
     thread_->jacobian(thread_->embed(at_), J);

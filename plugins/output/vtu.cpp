@@ -9,6 +9,7 @@
 #include <cstring>
 #include <new>
 
+#include "sutura/text.h"
 #include "sutura/units.h"
 
 namespace sutura::output {
@@ -57,7 +58,7 @@ class Writer {
   template <class T>
   void array(std::string_view type, std::string_view name, int components,
              const std::vector<T>& values, bool tuples_named = false) {
-    text += "<DataArray type=\"" + std::string(type) + "\" Name=\"" + xml_escape(name) + "\"";
+    text += "<DataArray type=\"" + std::string(type) + "\" Name=\"" + xml_escaped(name) + "\"";
     if (components != 1) text += " NumberOfComponents=\"" + std::to_string(components) + "\"";
     if (tuples_named) text += " NumberOfTuples=\"" + std::to_string(values.size()) + "\"";
     text += " format=\"binary\">";
@@ -96,32 +97,6 @@ std::string base64(std::span<const unsigned char> bytes) {
     for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < n ? bytes[i + k] : 0u);
     for (std::size_t k = 0; k < 4; ++k) {
       out += k <= n ? digits[group >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return out;
-}
-
-std::string xml_escape(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&apos;";
-        break;
-      default:
-        out += c;
     }
   }
   return out;
@@ -214,7 +189,7 @@ std::string PvdFile::resume(const std::filesystem::path& file, std::int64_t end)
 std::string PvdFile::add(Real time, const std::filesystem::path& dataset) {
   std::string error =
       file_.append("<DataSet timestep=\"" + format_real(time) + "\" part=\"0\" file=\"" +
-                   xml_escape(dataset.generic_string()) + "\"/>\n");
+                   xml_escaped(dataset.generic_string()) + "\"/>\n");
   return error.empty() ? file_.tail(pvd_end) : error;
 }
 

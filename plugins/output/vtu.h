@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "output_file.h"
@@ -19,9 +18,6 @@ namespace sutura::output {
 
 /// RFC 4648, with padding.
 std::string base64(std::span<const unsigned char> bytes);
-
-/// Replaces the five characters that XML reserves.
-std::string xml_escape(std::string_view text);
 
 /// What a cell of a .vtu is made of; the values are VTK's.
 enum class VtkCell : std::uint8_t { vertex = 1, line = 3, tetrahedron = 10 };

@@ -6,6 +6,14 @@
 #include "sutura/archive.h"
 
 namespace sutura {
+namespace {
+
+// In units of the spacing of samples.
+constexpr Real at_end = 0.02;       // a tip that is closer to the end of the channel is at its end
+constexpr Real search_step = 0.25;  // along the needle, for where it goes through the surface
+constexpr Real too_close = 0.5;     // closer samples would hold the same section twice
+
+}  // namespace
 
 Channel::Channel(const CurveBody& thread, const SolidBody& tissue, Real spacing)
     : thread_(thread), tissue_(tissue), spacing_(spacing) {
@@ -21,7 +29,7 @@ Real Channel::tip_depth() const {
 }
 
 bool Channel::tip_at_end() const {
-  return tip_inside() && passed_ == samples_.size() && tip_depth() > end_depth_ - 0.02 * spacing_;
+  return tip_inside() && passed_ == samples_.size() && tip_depth() > end_depth_ - at_end * spacing_;
 }
 
 Channel::Share Channel::share_of(std::size_t i) const {
@@ -80,7 +88,7 @@ EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed) const {
   const Real reach = std::min(2 * (at - tip()).norm() + spacing_, thread_.length());
   Vec3 from = tip();
   for (Real s = 0; s < reach;) {
-    s = std::min(s + 0.25 * spacing_, reach);
+    s = std::min(s + search_step * spacing_, reach);
     const Vec3 to = thread_.point(s, Configuration::current);
     if (const auto hit = tissue_.crossing(from, to, Configuration::current)) return hit->at;
     from = to;
@@ -109,8 +117,7 @@ void Channel::leave(const EmbeddedPoint& pressed) {
   const Real s =
       thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)), Configuration::current);
   const Real depth = last.depth + std::max(last.abscissa - s, Real(0));
-  // Two samples a hair apart would hold the same section twice.
-  if (last.kind == PathSample::Kind::inner && depth - last.depth < 0.5 * spacing_) {
+  if (last.kind == PathSample::Kind::inner && depth - last.depth < too_close * spacing_) {
     samples_.pop_back();
   }
   push(mouth, depth, s, PathSample::Kind::exit);
@@ -128,11 +135,6 @@ std::size_t Channel::place(std::uint64_t id) const {
 const PathSample* Channel::find(std::uint64_t id) const {
   const std::size_t i = place(id);
   return i < passed_ ? &samples_[i] : nullptr;
-}
-
-void Channel::set_friction_mode(std::uint64_t id, std::uint8_t mode) {
-  const std::size_t i = place(id);
-  if (i < samples_.size()) samples_[i].friction_mode = mode;
 }
 
 void Channel::update() {
@@ -219,7 +221,6 @@ void Channel::archive(Archive& a) {
     each("abscissa", s.abscissa);
     each("slip", s.slip);
     each("lateral_force", s.lateral_force);
-    each("friction_mode", s.friction_mode);
     each("kind", s.kind);
   });
   a("passed", passed_);

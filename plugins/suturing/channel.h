@@ -18,8 +18,7 @@ struct PathSample {
   Real depth = 0;        ///< m
   Real abscissa = 0;     ///< of the thread, at this point (m)
   Real slip = 0;  ///< change of the abscissa over the last step (m): positive when the tip advances
-  Real lateral_force = 0;          ///< across the thread in the last step (N)
-  std::uint8_t friction_mode = 0;  ///< in which the friction law starts the next step
+  Real lateral_force = 0;  ///< across the thread in the last step (N)
   enum class Kind { entry, inner, exit } kind = Kind::inner;
 };
 
@@ -64,8 +63,6 @@ class Channel {
   PathSample& sample(std::size_t i) { return samples_[i]; }
   /// The sample with this id if it is on the thread, or null.
   const PathSample* find(std::uint64_t id) const;
-  /// Of the sample with this id, if it is still there.
-  void set_friction_mode(std::uint64_t id, std::uint8_t mode);
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end
   /// of the thread, takes up remembered ones, and records the channel as far as the tip has come.
   void update();

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "cutting_law.h"
-#include "region_values.h"
 #include "sutura/archive.h"
 
 namespace sutura {
@@ -20,22 +19,18 @@ void Cutting::describe(Describe<Cutting>& d) {
   d.link("path", &Cutting::path_, "The channel that is lengthened.");
   d.attribute("threshold", &Cutting::threshold_, "N", between(0, 1e6),
               "Cutting force fc, where no region says otherwise.");
-  d.attribute("regions", &Cutting::regions_text_,
-              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
-              "threshold of their own.");
-  d.attribute("region_thresholds", &Cutting::region_thresholds_, "N", between(0, 1e6),
-              "One threshold per region in `regions`.");
+  describe_regions(d, between(0, 1e6));
   d.output("force", "N", "Force of the tissue on the tip, along the needle.",
            [](const Cutting& c) { return c.force_; });
 }
 
 void Cutting::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
+  find_regions(*this, setup, path_->tissue());
 }
 
 Real Cutting::threshold(const EmbeddedPoint& at) const {
-  return region_value(path_->tissue().region(at), regions_, region_thresholds_, threshold_);
+  return threshold_of(path_->tissue().region(at), threshold_);
 }
 
 void Cutting::archive(Archive& a) {

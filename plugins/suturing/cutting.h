@@ -1,13 +1,14 @@
 // Component Cutting: what the tip needs to lengthen its channel (paper, section 4.3).
 #pragma once
 
-#include <vector>
-
+#include "region_thresholds.h"
 #include "suture_path.h"
 
 namespace sutura {
 
-class Cutting : public Component, public ConstraintSource {
+class Cutting : public Component, public ConstraintSource, private RegionThresholds {
+  friend class RegionThresholds;  // describes its own attributes
+
  public:
   static constexpr const char* interface_name = "Cutting";
   static void describe(Describe<Cutting>& d);
@@ -22,9 +23,6 @@ class Cutting : public Component, public ConstraintSource {
  private:
   Link<SuturePath> path_;
   Real threshold_ = 0.2;
-  std::string regions_text_;
-  std::vector<Real> region_thresholds_;
-  std::vector<int> regions_;  ///< tags, of the names in the text
   Index source_id_ = 0;
   BlockId block_;
   Real force_ = 0;

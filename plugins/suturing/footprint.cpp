@@ -72,8 +72,7 @@ Vec3 Footprint::normal(const SolidBody& tissue) const {
 
 void Footprint::couple(ConstraintBuilder& builder, BlockId block, const SolidBody& tissue,
                        const Mat3& directions, const Vec3& at) const {
-  const Eigen::Matrix<Real, Eigen::Dynamic, 3> share =
-      directions / static_cast<Real>(points_.size());
+  const Directions share = directions / static_cast<Real>(points_.size());
   PointJacobian J;
   for (const SurfacePoint& p : points_) {
     tissue.jacobian(p.at, J);

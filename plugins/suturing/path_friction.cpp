@@ -137,12 +137,12 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
     // between two levels.
     params.stick_slip = std::max(stick_speed_ * context.dt, 1e-6 * (c.share.high - c.share.low));
     limit_ += params.kinetic;
-    const BlockId block = builder.add<PathFrictionLaw>(
-        make_key(source_id_, c.id), params, BlockVector<1>(c.gap.x()), sample.friction_mode);
+    const BlockId block =
+        builder.add<PathFrictionLaw>(make_key(source_id_, c.id), params, BlockVector<1>(c.gap.x()));
     const Directions along = c.axes.topRows<1>();
     builder.couple(block, path_->thread(), along, c.thread, c.position);
     builder.couple(block, path_->tissue(), -along, c.tissue, c.position);
-    blocks_.push_back({block, c.id, params.stick_slip});
+    blocks_.push_back({block, params.stick_slip});
   }
 }
 
@@ -150,11 +150,10 @@ void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
   force_ = 0;
   sliding_ = 0;
   for (const SampleBlock& b : blocks_) {
-    const Real slip = std::abs(solved.delta(b.block)[0]);
-    const bool slid = solved.mode(b.block) == PathFrictionLaw::slip && slip > b.stick_slip;
+    const Real slip = solved.delta(b.block)[0];
     force_ += solved.lambda(b.block)[0];
-    if (slid) sliding_ += solved.delta(b.block)[0] > 0 ? 1 : -1;
-    path_->channel().set_friction_mode(b.id, slid ? PathFrictionLaw::slip : PathFrictionLaw::stick);
+    if (solved.mode(b.block) == PathFrictionLaw::slip && std::abs(slip) > b.stick_slip)
+      sliding_ += slip > 0 ? 1 : -1;
   }
 }
 

@@ -40,8 +40,7 @@ class PathFriction : public Component, public ConstraintSource {
   Index source_id_ = 0;
   struct SampleBlock {
     BlockId block;
-    std::uint64_t id;  ///< of the sample
-    Real stick_slip;   ///< m
+    Real stick_slip;  ///< m
   };
   std::vector<SampleBlock> blocks_;
   Real force_ =

@@ -11,13 +11,12 @@
 //   |delta|),
 // unique for w > 0, c >= 0 (algorithms.md B.6).
 //
-// Static above kinetic makes the law ambiguous between Rk and Rs, and the drop from Rs to Rk at
-// break-away irreversible within a step. So each mode keeps one level and is monotone (the solution
-// does not depend on sweeps or order), and break-away is an event: only on converged forces, when a
-// sample at its static limit slips by more than `stick_slip` (Karnopp's velocity band times dt:
-// slower is not sliding). The way back is the source's: a sample whose last slip was below
-// `stick_slip` starts the step in `stick`. In the mode `slip` a sample may come to rest, then
-// delta = 0 with at most Rk.
+// Between Rk and Rs both rest and slip would be answers. So each mode has one level and is monotone
+// (the solution does not depend on sweeps or order), and break-away, from `stick` to `slip`, is an
+// event: it happens on verified forces only, when a sample at its static limit slips by more than
+// `stick_slip` (Karnopp's velocity band times dt: slower is not sliding). The way back is between
+// steps: a sample that slipped by less than that begins the next step in `stick`. In the mode
+// `slip` a sample may come to rest, then delta = 0 with at most Rk.
 #pragma once
 
 #include <cmath>
@@ -65,10 +64,16 @@ struct PathFrictionLaw {
 
   static bool event(const Params& p, const BlockVector<1>& delta, Mode& mode,
                     const BlockVector<1>& lambda) {
-    if (mode == slip || std::abs(lambda[0]) < p.static_level) return false;
+    constexpr Real rounding = 1e-9;  // of a force that was found as a sum of changes
+    if (mode == slip || std::abs(lambda[0]) < (1 - rounding) * p.static_level) return false;
     if (!(std::abs(delta[0]) > p.stick_slip)) return false;
     mode = slip;
     return true;
+  }
+
+  static Mode next_mode(const Params& p, const BlockVector<1>& delta, Mode mode,
+                        const BlockVector<1>&) {
+    return mode == slip && std::abs(delta[0]) > p.stick_slip ? slip : stick;
   }
 
  private:

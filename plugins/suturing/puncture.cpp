@@ -3,10 +3,18 @@
 #include <algorithm>
 
 #include "puncture_law.h"
-#include "region_values.h"
 #include "sutura/archive.h"
 
 namespace sutura {
+namespace {
+
+// In units of `reach`.
+constexpr Real still_outside = 1e-3;  // a tip that begins no deeper than this lies on the surface
+constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
+constexpr Real behind = 0.1;          // from where, behind the tip, the front of a layer is sought
+constexpr Real found = 1e-6;          // and to which accuracy
+
+}  // namespace
 
 void Puncture::describe(Describe<Puncture>& d) {
   d.summary(
@@ -29,12 +37,7 @@ void Puncture::describe(Describe<Puncture>& d) {
               "Puncture force fp on entry, where no region says otherwise.");
   d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-12, 1e9),
               "Puncture force from inside.");
-  d.attribute("regions", &Puncture::regions_text_,
-              "Regions of the tissue, by name or number as in Layer, blank separated, with a "
-              "threshold of their own, on the surface and as a "
-              "layer under another.");
-  d.attribute("region_thresholds", &Puncture::region_thresholds_, "N", between(1e-12, 1e9),
-              "One threshold per region in `regions`.");
+  describe_regions(d, between(1e-12, 1e9), ", on the surface and as a layer under another");
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
   d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
@@ -69,13 +72,13 @@ void Puncture::describe(Describe<Puncture>& d) {
 
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  regions_ = read_regions(*this, setup, path_->tissue(), regions_text_, region_thresholds_.size());
+  find_regions(*this, setup, path_->tissue());
 }
 
 void Puncture::ready(Setup& setup) {
   const Vec3 tip = path_->thread().point(0, Configuration::current);
   const auto foot = path_->tissue().closest_surface(tip, reach_, Configuration::current);
-  const bool touching = foot && foot->distance > -1e-3 * reach_;
+  const bool touching = foot && foot->distance > -still_outside * reach_;
   if (!touching && path_->tissue().locate(tip, Configuration::current)) {
     setup.error(*this, "the needle tip starts inside the tissue; move the needle or the tissue");
   }
@@ -105,7 +108,7 @@ void Puncture::detect(const StepContext& context) {
     }
     const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
-    blocked_ = inside && front_ != Front::none && to_go < 0.01 * reach_;
+    blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
   if (front_ == Front::none || front_ == Front::overrun) return;
@@ -121,8 +124,7 @@ void Puncture::detect(const StepContext& context) {
 
 Real Puncture::threshold_of_front() const {
   if (front_ == Front::exit) return exit_threshold_;
-  return region_value(path_->tissue().region(touched_.at), regions_, region_thresholds_,
-                      threshold_);
+  return threshold_of(path_->tissue().region(touched_.at), threshold_);
 }
 
 /// The surface point and its normal at the present guess.
@@ -153,9 +155,9 @@ Puncture::Front Puncture::find_entry() {
     // without a puncture.
     const auto way_in =
         path_->tissue().closest_surface(tip, thread.length(), Configuration::start, back);
-    touched_ =
-        way_in ? *way_in
-               : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
+    touched_ = way_in
+                   ? *way_in
+                   : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
     return Front::overrun;
   }
   if (!hit) return Front::none;
@@ -196,10 +198,10 @@ Puncture::Front Puncture::find_layer() {
     if (here) region_ = tissue.region(*here);
     return Front::none;
   }
-  Real low = -0.1 * reach_;
+  Real low = -behind * reach_;
   Real high = reach;
   EmbeddedPoint at = *beyond;
-  while (high - low > 1e-6 * reach_) {
+  while (high - low > found * reach_) {
     const Real middle = 0.5 * (low + high);
     const auto p = tissue.locate(tip + middle * forward, Configuration::start);
     if (p && tissue.region(*p) == next) {
@@ -215,10 +217,6 @@ Puncture::Front Puncture::find_layer() {
               .normal = -forward,
               .distance = high};
   return Front::layer;
-}
-
-bool Puncture::has_threshold(int region) const {
-  return region_value(region, regions_, region_thresholds_, -1) >= 0;
 }
 
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {

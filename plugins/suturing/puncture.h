@@ -2,16 +2,17 @@
 // section 4.2).
 #pragma once
 
-#include <vector>
-
 #include "cutting.h"
 #include "footprint.h"
 #include "path_friction.h"
+#include "region_thresholds.h"
 #include "suture_path.h"
 
 namespace sutura {
 
-class Puncture : public Component, public ConstraintSource {
+class Puncture : public Component, public ConstraintSource, private RegionThresholds {
+  friend class RegionThresholds;  // describes its own attributes
+
  public:
   static constexpr const char* interface_name = "Puncture";
   static void describe(Describe<Puncture>& d);
@@ -35,16 +36,12 @@ class Puncture : public Component, public ConstraintSource {
   void begin_bite();
   void follow_front();
   Real threshold_of_front() const;
-  bool has_threshold(int region) const;
 
   Link<SuturePath> path_;
   Link<Cutting> cutting_;
   Link<PathFriction> drag_;
   Real threshold_ = 0.5;
   Real exit_threshold_ = 0.5;
-  std::string regions_text_;
-  std::vector<Real> region_thresholds_;
-  std::vector<int> regions_;  ///< tags, of the names in the text
   Real friction_ = 0.2;
   Real tip_radius_ = 0;  ///< 0: that of the footprint
   Real reach_ = 1e-3;

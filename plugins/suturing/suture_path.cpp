@@ -11,6 +11,11 @@ namespace {
 
 constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
 
+// In units of the spacing of samples.
+constexpr Real too_close = 0.3;  // to the tip: rows that would repeat those of the end
+constexpr Real shortest = 0.1;   // length that a sample stands for at least, so that its wall is
+                                 // never softer than ten times the others
+
 }  // namespace
 
 void SuturePath::describe(Describe<SuturePath>& d) {
@@ -122,9 +127,10 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     if (is_end && !hold_end) break;
     // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each
     // other.
-    if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < 0.3 * spacing_) continue;
+    if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < too_close * spacing_)
+      continue;
     const Real length = is_end ? spacing_ : c.share.high - c.share.low;
-    const Real compliance = wall_compliance_ / std::max(length, 0.1 * spacing_);
+    const Real compliance = wall_compliance_ / std::max(length, shortest * spacing_);
     const BlockId block = builder.add<Bilateral<2>>(
         make_key(source_id_, c.id), {.compliance = compliance}, BlockVector<2>(c.gap.tail<2>()));
     const Directions across = c.axes.bottomRows<2>();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sutura/diagnostics.h"
+#include "sutura/text.h"
 #include "sutura/units.h"
 
 namespace sutura::thread {
@@ -90,11 +91,6 @@ std::string proposals(const std::string& name, const std::vector<std::string>& n
   return (near.empty() ? "; " : "; did you mean '" + near + "'? ") + "there is " + list_of(names);
 }
 
-std::string quoted(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  return "'" + std::string(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
-}
-
 Real wire_of(Real length) {
   std::size_t i = 1;
   while (i + 1 < wires.size() && wires[i].length < length) ++i;
@@ -107,20 +103,20 @@ Real wire_of(Real length) {
 std::optional<ThreadProduct> find_thread(std::string_view text, std::string& error) {
   const std::vector<std::string> words = words_of(text);
   if (words.size() < 2) {
-    error = quoted(text) + " is not a size and a material, as in '4-0 polypropylene'; sizes: " +
+    error = in_quotes(text) + " is not a size and a material, as in '4-0 polypropylene'; sizes: " +
             list_of(names_of(sizes)) + "; materials: " + list_of(names_of(materials));
     return {};
   }
   const auto size = find(sizes, words[0]);
   if (size == sizes.end()) {
-    error = quoted(words[0]) + " is not a size of thread" + proposals(words[0], names_of(sizes));
+    error = in_quotes(words[0]) + " is not a size of thread" + proposals(words[0], names_of(sizes));
     return {};
   }
   std::string name = words[1];
   for (std::size_t i = 2; i < words.size(); ++i) name += ' ' + words[i];
   const auto material = find(materials, name);
   if (material == materials.end()) {
-    error = quoted(name) + " is not a material of thread" + proposals(name, names_of(materials));
+    error = in_quotes(name) + " is not a material of thread" + proposals(name, names_of(materials));
     return {};
   }
   return ThreadProduct{size->diameter, material->young, material->density,
@@ -139,7 +135,7 @@ std::optional<NeedleProduct> find_needle(std::string_view text, std::string& err
   } else if (w.size() == 3 && w[2] == "straight") {
     length_text = w[0] + ' ' + w[1];
   } else {
-    error = quoted(text) +
+    error = in_quotes(text) +
             " is not a length and a share of a circle, as in '26 mm 1/2 circle'; shares: " +
             list_of(names_of(shares)) + "; or '26 mm straight'";
     return {};
@@ -148,7 +144,8 @@ std::optional<NeedleProduct> find_needle(std::string_view text, std::string& err
   if (!length) return {};
   // Rounding of the unit aside.
   if (!(*length > wires.front().length - 1e-9 && *length < wires.back().length + 1e-9)) {
-    error = "no needle of " + quoted(length_text) + " is in the table, which goes from 13 mm to " +
+    error = "no needle of " + in_quotes(length_text) +
+            " is in the table, which goes from 13 mm to " +
             "36 mm; say needle_length, needle_angle and needle_diameter instead";
     return {};
   }
@@ -156,7 +153,7 @@ std::optional<NeedleProduct> find_needle(std::string_view text, std::string& err
   if (share_name.empty()) return needle;
   const auto share = find(shares, share_name);
   if (share == shares.end()) {
-    error = quoted(share_name) + " is not a share of a circle that needles have" +
+    error = in_quotes(share_name) + " is not a share of a circle that needles have" +
             proposals(share_name, names_of(shares));
     return {};
   }

@@ -160,17 +160,8 @@ void SutureThread::solve(Eigen::Ref<MatX> columns) const {
   rod_.matrix().solve(columns);
 }
 
-bool SutureThread::chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const {
-  const auto is_clamped = [&](Index node) {
-    return std::find(rod_.clamped().begin(), rod_.clamped().end(), node) != rod_.clamped().end();
-  };
-  out.node = rows.node;
-  std::sort(out.node.begin(), out.node.end());
-  out.node.erase(std::unique(out.node.begin(), out.node.end()), out.node.end());
-  std::erase_if(out.node, is_clamped);
-  rod_.matrix().condense(out.node, out.own, out.transfer);
-  for (Mat6& own : out.own) own *= dt * dt;
-  return true;
+void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
+  compliance_.add(rod_.matrix(), rod_.clamped(), rows, dt, W);
 }
 
 std::string SutureThread::trouble() const {

@@ -1,6 +1,7 @@
 // SutureThread: needle and thread as one chain of beams.
 #pragma once
 
+#include "chain_compliance.h"
 #include "curve.h"
 #include "rod.h"
 #include "sampling.h"
@@ -50,7 +51,7 @@ class SutureThread : public Component, public CurveBody {
   Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
   void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
-  bool chain_compliance(const BodyRows& rows, Real dt, ChainCompliance& out) const override;
+  void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
@@ -113,6 +114,7 @@ class SutureThread : public Component, public CurveBody {
   SamplingRules rules_;
   SamplingWork sampling_work_;
   std::vector<Real> holds_;  ///< abscissae
+  mutable ChainCompliance compliance_;
   bool factored_ = true;
 };
 

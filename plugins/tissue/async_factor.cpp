@@ -7,10 +7,11 @@
 
 namespace sutura {
 
-void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
+bool SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   const auto start = std::chrono::steady_clock::now();
   const auto& candidates = snapshot->candidates;
-  if (!plan || !std::ranges::equal(tail_nodes(*plan), candidates)) {
+  const bool analyse = !plan || !std::ranges::equal(tail_nodes(*plan), candidates);
+  if (analyse) {
     plan = std::ranges::equal(tail_nodes(*base), candidates) ? base : with_last(*base, candidates);
     factor = make_factor(plan);
     if (rough) factor->keep_rough();
@@ -21,6 +22,7 @@ void SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   ok = factor->factorise(snapshot->A);
   if (ok) factor->tail_compliance(tail);
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return analyse;
 }
 
 FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook)

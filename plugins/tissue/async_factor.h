@@ -41,7 +41,8 @@ struct SnapshotFactor {
 
   /// Fills the rest from the snapshot; `base` is any plan of its pattern. The same bits on
   /// whichever worker it runs, and whatever factor was here before.
-  void factorise(const std::shared_ptr<const FactorPlan>& base);
+  /// True if the order of elimination had to be chosen anew.
+  bool factorise(const std::shared_ptr<const FactorPlan>& base);
 };
 
 class FactorWorker {

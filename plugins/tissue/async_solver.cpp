@@ -17,6 +17,7 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   postponed_.reset();
   worker_lost_ = false;
   adoptions_.clear();
+  adoptions_.reserve(4096);
   recent_.clear();
   pattern_ = std::move(pattern);
   fixed_.assign(fixed.begin(), fixed.end());
@@ -33,8 +34,10 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
   step_ = step;
   jacobi_ready_ = false;
   recent_.matrix_changed();
-  const Index failed = report_.failed_factors, adopted = report_.adopted_at;
+  const Index failed = report_.failed_factors, adopted = report_.adopted_at,
+              analyses = report_.analyses;
   report_ = {};
+  report_.analyses = analyses;
   report_.failed_factors = failed;
   report_.adopted_at = adopted;
 
@@ -72,6 +75,7 @@ std::unique_ptr<SnapshotFactor> AsyncSolver::take_snapshot() {
     job->snapshot = std::make_shared<Snapshot>(Snapshot{*A_, {}, {}, -1});
   else
     job->snapshot->A = *A_;
+  job->snapshot->candidates.reserve(static_cast<std::size_t>(A_->nodes()));
   job->rough = rough();
   job->snapshot->rotations = rotations_;
   if (candidates_.outgrown()) candidates_.choose(step_);
@@ -116,7 +120,7 @@ void AsyncSolver::adopt_what_is_due() {
       fresh->snapshot = std::make_shared<Snapshot>(*in_flight_);
       fresh->rough = rough();
     }
-    fresh->factorise(plan_);
+    if (fresh->factorise(plan_)) ++report_.analyses;
   }
   in_flight_.reset();
   adopt(std::move(fresh));
@@ -144,7 +148,7 @@ void AsyncSolver::adopt(std::unique_ptr<SnapshotFactor> fresh) {
 /// Factorises the matrix of this step, now.
 bool AsyncSolver::factorise_here() {
   auto fresh = take_snapshot();
-  fresh->factorise(plan_);
+  if (fresh->factorise(plan_)) ++report_.analyses;
   const bool ok = fresh->ok;
   adopt(std::move(fresh));
   if (ok) {
@@ -166,7 +170,7 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   assert(A_);
   const bool single = columns.cols() == 1;
   if (single) asked_ = columns.col(0);
-  MatX& x = single ? single_x_ : x_;  // each keeps its memory
+  GrowingMat& x = single ? single_x_ : x_;
   const bool started = single && recent_.start(*A_, fixed_, asked_, x);
   const Real size = columns.norm();
   const Real tolerance =

@@ -100,7 +100,7 @@ class AsyncSolver : public TissueSolver {
   WarpedFactor warped_;
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;
-  MatX x_, single_x_;
+  GrowingMat x_, single_x_;
   VecX asked_, answered_;  ///< the last single right-hand side of the step and its solution
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;

@@ -60,6 +60,7 @@ void AsyncSolver::archive_job(Archive& a, std::shared_ptr<Snapshot>& snapshot) {
   if (a.restoring())
     snapshot = std::make_shared<Snapshot>(Snapshot{NodeMatrix(pattern_), {}, {}, -1});
   sutura::archive(a, *snapshot);
+  snapshot->candidates.reserve(static_cast<std::size_t>(pattern_->nodes()));
 }
 
 void AsyncSolver::archive(Archive& a) {

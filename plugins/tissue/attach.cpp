@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "selection.h"
+#include "sutura/text.h"
 #include "tet_mesh.h"
 
 namespace sutura {
@@ -62,8 +63,8 @@ void Attach::initialise(Setup& setup) {
   for (const char letter : directions) {
     const auto axis = std::string("xyz").find(letter);
     if (axis == std::string::npos || along[axis])
-      return setup.error(*this, "'directions' is '" + directions.substr(0, 20) +
-                                    "', expected some of the letters x, y and z, each once");
+      return setup.error(*this, "'directions' is " + in_quotes(directions) +
+                                    ", expected some of the letters x, y and z, each once");
     along[axis] = true;
     along_[static_cast<Index>(axis)] = 1;
   }

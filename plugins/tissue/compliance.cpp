@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "sutura/growing.h"
 #include "tissue_solver.h"
 
 namespace sutura {
@@ -53,15 +54,14 @@ void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
                         const std::vector<char>& is_outside, Real dt, Eigen::Ref<MatX> W) {
   const MatX& C = *compliance.C;
   thread_local std::vector<Vec3> turned;  // Q^T h, per entry; keeps its memory
-  thread_local VecX y_store;
+  thread_local GrowingVec y;
   turned.resize(rows.node.size());
   for (std::size_t e = 0; e < rows.node.size(); ++e) {
     const Eigen::Map<const Vec3> h(&rows.value[3 * e]);
     turned[e] =
         compliance.turn.empty() ? Vec3(h) : Vec3(compliance.turn[at(rows.node[e])].transpose() * h);
   }
-  if (y_store.size() < C.rows()) y_store.resize(C.rows());
-  auto y = y_store.head(C.rows());
+  y.resize(C.rows());
   for (Index r = 0; r < rows.size(); ++r) {
     if (is_outside[at(r)]) continue;
     y.setZero();

@@ -19,8 +19,7 @@ CorotationalT4::CorotationalT4(const std::vector<Vec3>& rest, const std::vector<
     Pack& p = packs_[e / lanes];
     const int k = static_cast<int>(e % lanes);
     const Tet& t = sorted_[std::min(e, sorted_.size() - 1)];
-    Mat3 D;
-    for (int c = 0; c < 3; ++c) D.col(c) = rest[t[c + 1]] - rest[t[0]];
+    const Mat3 D = tet_edges(t, rest);
     const Mat3 inverse = D.inverse();  // its rows are the gradients of the shape functions
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < 3; ++i) p.gradient[c][i][k] = inverse(c, i);
@@ -173,15 +172,6 @@ Real CorotationalT4::energy(const VecX& x) const {
   Real total = 0;
   for (int k = 0; k < lanes; ++k) total += sum[k];
   return total;
-}
-
-Mat3 deformation_gradient(const std::array<Vec3, 4>& rest, const std::array<Vec3, 4>& now) {
-  Mat3 D, d;
-  for (int c = 0; c < 3; ++c) {
-    D.col(c) = rest[c + 1] - rest[0];
-    d.col(c) = now[c + 1] - now[0];
-  }
-  return d * D.inverse();
 }
 
 }  // namespace sutura

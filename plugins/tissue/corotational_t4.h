@@ -47,7 +47,4 @@ class CorotationalT4 final : public ElasticModel {
   std::vector<std::array<Index, 4>> sorted_;  ///< nodes of each tet, ascending
 };
 
-/// F of one tet (rest and current corners in the same order).
-Mat3 deformation_gradient(const std::array<Vec3, 4>& rest, const std::array<Vec3, 4>& now);
-
 }  // namespace sutura

@@ -29,7 +29,9 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   assert(factor_);
   A_ = &A;
   step_ = step;
+  Index analyses = report_.analyses;
   if (candidates_.outgrown()) {
+    ++analyses;
     candidates_.choose(step);
     plan_ = with_last(*plan_, candidates_.chosen());
     adopt_plan();
@@ -39,6 +41,7 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   ok_ = factor_->factorise(A);
   has_tail_ = false;
   report_.failed_factors = failed + (ok_ ? 0 : 1);
+  report_.analyses = analyses;
   report_.adopted_at = step;
   if (!ok_) report_.complain("the matrix is not positive definite: conjugate gradients instead");
 }

@@ -46,7 +46,7 @@ class SynchronousSolver : public TissueSolver {
   bool ok_ = false;
   mutable MatX tail_;  ///< inverted when first asked for in a step
   mutable bool has_tail_ = false;
-  MatX x_;
+  GrowingMat x_;
   VecX in_, out_;
   Pcg pcg_;
   TissueSolveReport report_;

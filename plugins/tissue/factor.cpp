@@ -37,9 +37,9 @@ void build_graph(const NodePattern& pattern, const std::vector<std::int32_t>& nu
 
 /// A block of the lower triangle, in elimination order.
 struct Placed {
-  std::int32_t row;
-  std::int32_t slot;  ///< -1: structural zero
-  bool transposed;
+  std::int32_t row = 0;
+  std::int32_t slot = -1;  ///< -1: structural zero
+  bool transposed = false;
   bool operator<(const Placed& other) const { return row < other.row; }
 };
 
@@ -87,35 +87,46 @@ void FactorPlan::place(std::span<const Index> last) {
   for (std::size_t k = 0; k < order.size(); ++k)
     position[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
 
-  std::vector<std::vector<Placed>> columns(order.size());
-  for (Index i = 0; i < pattern->nodes(); ++i) {
-    const std::int32_t p = position[static_cast<std::size_t>(i)];
-    if (p < 0) continue;
-    for (std::int32_t k = pattern->row_start()[static_cast<std::size_t>(i)];
-         k < pattern->row_start()[static_cast<std::size_t>(i) + 1]; ++k) {
-      const std::int32_t q =
-          position[static_cast<std::size_t>(pattern->column()[static_cast<std::size_t>(k)])];
-      if (q < 0) continue;
-      columns[static_cast<std::size_t>(std::min(p, q))].push_back({std::max(p, q), k, p < q});
+  const auto each_block = [&](auto&& visit) {
+    for (Index i = 0; i < pattern->nodes(); ++i) {
+      const std::int32_t p = position[static_cast<std::size_t>(i)];
+      if (p < 0) continue;
+      for (std::int32_t k = pattern->row_start()[static_cast<std::size_t>(i)];
+           k < pattern->row_start()[static_cast<std::size_t>(i) + 1]; ++k) {
+        const std::int32_t q =
+            position[static_cast<std::size_t>(pattern->column()[static_cast<std::size_t>(k)])];
+        if (q >= 0)
+          visit(static_cast<std::size_t>(std::min(p, q)), Placed{std::max(p, q), k, p < q});
+      }
     }
-  }
+  };
   // The Schur complement over the tail is dense in any case (the rest couples every pair). Saying
   // so in the structure makes the tail one chain of the elimination tree, which keeps it last and
   // whole when the backend reorders the tree.
   const auto first_tail = order.size() - tail.size();
-  for (std::size_t q = first_tail; q < order.size(); ++q) {
-    auto& column = columns[q];
-    std::vector<char> present(order.size() - q, 0);
-    for (const Placed& b : column) present[static_cast<std::size_t>(b.row) - q] = 1;
-    for (std::size_t p = q + 1; p < order.size(); ++p)
-      if (!present[p - q]) column.push_back({static_cast<std::int32_t>(p), -1, false});
-  }
+  std::vector<std::size_t> start(order.size() + 1, 0);
+  each_block([&](std::size_t q, const Placed&) { ++start[q + 1]; });
+  for (std::size_t q = first_tail; q < order.size(); ++q) start[q + 1] = order.size() - q;
+  for (std::size_t q = 0; q < order.size(); ++q) start[q + 1] += start[q];
+  std::vector<Placed> blocks(start.back());
+  std::vector<std::size_t> end(start.begin(), start.end() - 1);
+  for (std::size_t q = first_tail; q < order.size(); ++q)
+    for (std::size_t p = q; p < order.size(); ++p)
+      blocks[start[q] + p - q] = {static_cast<std::int32_t>(p), -1, false};
+  each_block([&](std::size_t q, const Placed& b) {
+    if (q < first_tail)
+      blocks[end[q]++] = b;
+    else
+      blocks[start[q] + static_cast<std::size_t>(b.row) - q] = b;
+  });
+  for (std::size_t q = 0; q < first_tail; ++q)
+    std::sort(blocks.begin() + static_cast<std::ptrdiff_t>(start[q]),
+              blocks.begin() + static_cast<std::ptrdiff_t>(start[q + 1]));
 
   column_start.push_back(0);
-  for (std::size_t q = 0; q < columns.size(); ++q) {
-    std::sort(columns[q].begin(), columns[q].end());
+  for (std::size_t q = 0; q < order.size(); ++q) {
     for (std::int32_t c = 0; c < 3; ++c) {
-      for (const Placed& b : columns[q])
+      for (const Placed& b : std::span(blocks).subspan(start[q], start[q + 1] - start[q]))
         for (std::int32_t r = 0; r < 3; ++r) {
           const bool on_diagonal = static_cast<std::size_t>(b.row) == q;
           if (on_diagonal && r < c) continue;
@@ -148,14 +159,6 @@ void FactorPlan::extend(const Eigen::Ref<const MatX>& reduced, Eigen::Ref<MatX> 
   for (Index c = 0; c < full.cols(); ++c)
     for (std::size_t k = 0; k < order.size(); ++k)
       full.col(c).segment<3>(3 * order[k]) = reduced.col(c).segment<3>(3 * static_cast<Index>(k));
-}
-
-void inverse_of_product(const MatX& lower, MatX& inverse, MatX& product) {
-  inverse.setIdentity(lower.rows(), lower.cols());
-  lower.triangularView<Eigen::Lower>().solveInPlace(inverse);
-  product.setZero(lower.rows(), lower.cols());
-  product.selfadjointView<Eigen::Lower>().rankUpdate(inverse.transpose());
-  product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
 }
 
 bool has_backend(FactorBackend backend) {

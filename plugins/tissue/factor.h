@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "block_matrix.h"
-#include "sutura/types.h"
+#include "sutura/growing.h"
 
 namespace sutura {
 

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <mutex>
 
+#include "dense_inverse.h"
 #include "factor_plan.h"
 
 // OpenBLAS would start workers of its own for every dense block: slower on blocks of this size, and
@@ -92,6 +93,8 @@ class CholmodFactor : public Factor {
     A_.sorted = 1;
     A_.packed = 1;
     if (n > 0) L_ = cholmod_analyze(&A_, &common_);
+    constexpr Index columns_at_once = 16;  // of a compliance; asked for in the step
+    work_.resize(plan_->size(), columns_at_once);
   }
 
   ~CholmodFactor() override {
@@ -181,13 +184,13 @@ class CholmodFactor : public Factor {
               x[px[s] + k + static_cast<Index>(c - super[s]) * height];
       }
     }
-    inverse_of_product(lower_, inverse_, product_);
+    invert_.compute(lower_, inverse_);
     // CHOLMOD's own order of the tail -> ours.
     const auto* perm = static_cast<const int*>(L_->Perm);
     for (Index c = 0; c < tail; ++c)
       for (Index r = 0; r < tail; ++r) {
         assert(perm[first + r] >= first);
-        C(perm[first + r] - first, perm[first + c] - first) = product_(r, c);
+        C(perm[first + r] - first, perm[first + c] - first) = inverse_(r, c);
       }
   }
 
@@ -254,7 +257,9 @@ class CholmodFactor : public Factor {
   mutable cholmod_dense* y_ = nullptr;
   mutable cholmod_dense* e_ = nullptr;
   bool ready_ = false;
-  mutable MatX work_, lower_, inverse_, product_;
+  mutable GrowingMat work_;
+  mutable MatX lower_, inverse_;
+  mutable DenseInverse invert_;
   bool keep_rough_ = false;
   std::vector<float> rough_L_;        ///< L_->x in single precision
   std::vector<std::int32_t> row_of_;  ///< position in L -> row of the full vector

@@ -2,6 +2,7 @@
 #include <Eigen/SparseCholesky>
 #include <cassert>
 
+#include "dense_inverse.h"
 #include "factor_plan.h"
 
 namespace sutura {
@@ -46,7 +47,7 @@ class EigenFactor : public Factor {
     for (Index c = 0; c < tail; ++c)
       for (Eigen::SparseMatrix<Real>::InnerIterator it(L, first + c); it; ++it)
         lower_(it.row() - first, c) = it.value();
-    inverse_of_product(lower_, inverse_, C);
+    invert_.compute(lower_, C);
   }
 
  private:
@@ -55,7 +56,9 @@ class EigenFactor : public Factor {
   Eigen::SimplicialLLT<Eigen::SparseMatrix<Real>, Eigen::Lower, Eigen::NaturalOrdering<int>>
       cholesky_;
   bool ready_ = false;
-  mutable MatX work_, lower_, inverse_;
+  mutable GrowingMat work_;
+  mutable MatX lower_;
+  mutable DenseInverse invert_;
 };
 
 }  // namespace

@@ -40,9 +40,6 @@ class FactorPlan {
   void place(std::span<const Index> last);
 };
 
-/// product <- (L L^T)^-1 of a dense lower triangle, `inverse` <- L^-1.
-void inverse_of_product(const MatX& lower, MatX& inverse, MatX& product);
-
 #ifdef SUTURA_WITH_CHOLMOD
 std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<const FactorPlan> plan);
 #endif

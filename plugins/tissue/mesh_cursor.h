@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "mesh_file.h"
+#include "sutura/text.h"
 
 namespace sutura {
 
@@ -132,9 +133,10 @@ class MeshCursor {
   }
 
   static std::string shortened(std::string_view w) {
-    std::string out;
-    for (const char c : w.substr(0, 24)) out += (c >= 32 && c < 127) ? c : '?';
-    return w.size() > 24 ? out + "..." : out;
+    std::string out = sutura::shortened(w, 24);
+    for (char& c : out)
+      if (!(c >= 32 && c < 127)) c = '?';
+    return out;
   }
 
  private:

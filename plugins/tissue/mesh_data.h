@@ -1,6 +1,7 @@
 // A tetrahedral mesh as read from a file: no physics.
 #pragma once
 
+#include <Eigen/LU>
 #include <array>
 #include <map>
 #include <string>
@@ -19,6 +20,28 @@ struct MeshData {
   std::vector<int> region;                  ///< one tag per tet; 0 where the file gives none
   std::map<int, std::string> region_names;  ///< of the tags that have one
 };
+
+/// From the first corner of a tet to the three others, as columns (m).
+inline Mat3 tet_edges(const Tet& t, const std::vector<Vec3>& points) {
+  const auto at = [&](int c) {
+    return points[static_cast<std::size_t>(t[static_cast<std::size_t>(c)])];
+  };
+  Mat3 out;
+  for (int c = 0; c < 3; ++c) out.col(c) = at(c + 1) - at(0);
+  return out;
+}
+/// The same of positions node by node.
+inline Mat3 tet_edges(const Tet& t, const VecX& x) {
+  const auto at = [&](int c) { return x.segment<3>(3 * t[static_cast<std::size_t>(c)]); };
+  Mat3 out;
+  for (int c = 0; c < 3; ++c) out.col(c) = at(c + 1) - at(0);
+  return out;
+}
+/// F = dx/dX.
+template <class Points>
+Mat3 deformation_gradient(const Tet& t, const Points& rest, const VecX& now) {
+  return tet_edges(t, now) * tet_edges(t, rest).inverse();
+}
 
 /// Six times the signed volume (m^3); positive if 1, 2, 3 turn counterclockwise seen from 0's far
 /// side.

@@ -72,12 +72,11 @@ void Pcg::drop(Index c, Index& active) {
 }
 
 PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Preconditioner& P,
-                     const Eigen::Ref<const MatX>& b, MatX& x, Real tolerance, Index max_iterations,
-                     bool start_from_x) {
+                     const Eigen::Ref<const MatX>& b, GrowingMat& x, Real tolerance,
+                     Index max_iterations, bool start_from_x) {
   const Index n = b.rows();
   Index active = b.cols();
-  for (MatX* m : {&r_, &z_, &p_, &Ap_})
-    if (m->rows() != n || m->cols() < active) m->resize(n, active);
+  for (GrowingMat* m : {&r_, &z_, &p_}) m->resize(n, active);
   rz_.resize(active);
   norm_b_.resize(active);
   in_.resize(n);
@@ -158,7 +157,7 @@ void RecentSolutions::multiply(const NodeMatrix& A, std::span<const char> fixed,
 }
 
 bool RecentSolutions::start(const NodeMatrix& A, std::span<const char> fixed, const VecX& b,
-                            MatX& x) {
+                            GrowingMat& x) {
   if (count_ == 0) return false;
   for (; products_ < count_; ++products_) multiply(A, fixed, products_);
   // At most six by six: no memory from the heap.

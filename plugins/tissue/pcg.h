@@ -9,7 +9,7 @@
 
 #include "block_matrix.h"
 #include "factor.h"
-#include "sutura/types.h"
+#include "sutura/growing.h"
 
 namespace sutura {
 
@@ -59,13 +59,13 @@ class Pcg {
   /// else from zero. Rows of fixed nodes of b are ignored, those of x end as zero. Stops early, not
   /// converged, when A or P turns out not to be positive definite or not finite.
   PcgReport solve(const NodeMatrix& A, std::span<const char> fixed, const Preconditioner& P,
-                  const Eigen::Ref<const MatX>& b, MatX& x, Real tolerance, Index max_iterations,
-                  bool start_from_x = false);
+                  const Eigen::Ref<const MatX>& b, GrowingMat& x, Real tolerance,
+                  Index max_iterations, bool start_from_x = false);
 
  private:
   void drop(Index column, Index& active);
-  MatX r_, z_, p_, Ap_;
-  VecX rz_, norm_b_;
+  GrowingMat r_, z_, p_;
+  GrowingVec rz_, norm_b_;
   VecX in_, out_;
   std::vector<Index> column_;  ///< which column of x each active one is
 };
@@ -80,7 +80,7 @@ class RecentSolutions {
   /// The products with A have to be made anew.
   void matrix_changed() { products_ = 0; }
   /// x <- sum c_k x_k with the least |x - A^-1 b|_A. False, x untouched, if there is nothing yet.
-  bool start(const NodeMatrix& A, std::span<const char> fixed, const VecX& b, MatX& x);
+  bool start(const NodeMatrix& A, std::span<const char> fixed, const VecX& b, GrowingMat& x);
   void add(const NodeMatrix& A, std::span<const char> fixed, const VecX& x);
   void archive(Archive& archive);
 

@@ -15,8 +15,7 @@ namespace sutura {
 SmoothedT4::SmoothedT4(const std::vector<Vec3>& rest, const std::vector<Tet>& tets)
     : node_count_(static_cast<Index>(rest.size())), tets_(tets) {
   for (const Tet& t : tets) {
-    Mat3 D;
-    for (int c = 0; c < 3; ++c) D.col(c) = rest[t[c + 1]] - rest[t[0]];
+    const Mat3 D = tet_edges(t, rest);
     Eigen::Matrix<Real, 3, 4> g;
     g.rightCols<3>() = D.inverse().transpose();
     g.col(0) = -g.rightCols<3>().rowwise().sum();

@@ -62,6 +62,10 @@ void Tissue::describe(Describe<Tissue>& d) {
            [](const Tissue& t) -> Vec3 { return t.momentum(); });
   d.output("linearisations", "1", "Linearisations in the last step.",
            [](const Tissue& t) -> Real { return static_cast<Real>(t.linearisations_); });
+  d.output(
+      "analyses", "1",
+      "Times a step chose the order of elimination anew, because constraints touch other nodes.",
+      [](const Tissue& t) -> Real { return static_cast<Real>(t.solve_report().analyses); });
   d.output("inverted", "1", "Tetrahedra turned inside out.",
            [](const Tissue& t) -> Real { return static_cast<Real>(t.inverted()); });
 }

@@ -121,7 +121,6 @@ class Tissue : public Component, public SolidBody {
   void solve_what_matters(const StepContext& context, VecX& momentum);
   Real moved_since_linearised() const;
   void move_queries(Configuration c, const VecX& x);
-  void update_node_rotations();
   void start_moving();
   void stiffen_supports(Real scale);
   void add_outer_forces();

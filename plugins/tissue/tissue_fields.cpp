@@ -6,18 +6,6 @@
 #include "tissue.h"
 
 namespace sutura {
-namespace {
-
-Mat3 gradient_of(const MeshData& data, const Tet& t, const VecX& x) {
-  Mat3 D, d;
-  for (int c = 0; c < 3; ++c) {
-    D.col(c) = data.points[t[c + 1]] - data.points[t[0]];
-    d.col(c) = x.segment<3>(3 * t[c + 1]) - x.segment<3>(3 * t[0]);
-  }
-  return d * D.inverse();
-}
-
-}  // namespace
 
 Vec3 Tissue::reaction(const std::vector<Index>& nodes) const {
   Vec3 sum = Vec3::Zero();
@@ -97,7 +85,7 @@ BodyGeometry Tissue::geometry() const {
     const Tet& t = data.tets[e];
     g.connectivity.insert(g.connectivity.end(), t.begin(), t.end());
     region.values.push_back(data.region[e]);
-    const Mat3 F = gradient_of(data, t, x_);
+    const Mat3 F = deformation_gradient(t, data.points, x_);
     const Mat3 S = nearest_rotation(F).transpose() * F;
     const Mat3 deviator = 0.5 * (S + S.transpose()) - S.trace() / 3 * Mat3::Identity();
     stress.values.push_back(2 * tet_material_[e].lame_mu() * std::sqrt(1.5) * deviator.norm());

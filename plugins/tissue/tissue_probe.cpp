@@ -121,13 +121,7 @@ Mat3 TissueProbe::mean(Mat3 (TissueProbe::*of_tet)(Index) const) const {
 
 Mat3 TissueProbe::strain(Index tet) const {
   const Tet& t = tissue_->mesh->data().tets[static_cast<std::size_t>(tet)];
-  const VecX &rest = tissue_->rest_positions(), &x = tissue_->positions();
-  Mat3 D, d;
-  for (int c = 0; c < 3; ++c) {
-    D.col(c) = rest.segment<3>(3 * t[c + 1]) - rest.segment<3>(3 * t[0]);
-    d.col(c) = x.segment<3>(3 * t[c + 1]) - x.segment<3>(3 * t[0]);
-  }
-  const Mat3 F = d * D.inverse();
+  const Mat3 F = deformation_gradient(t, tissue_->rest_positions(), tissue_->positions());
   const Mat3 U = nearest_rotation(F).transpose() * F;
   return 0.5 * (U + U.transpose()) - Mat3::Identity();
 }

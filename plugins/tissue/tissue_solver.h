@@ -18,6 +18,7 @@ struct TissueSolveReport {
   Index factor_age = 0;      ///< steps between the factorised matrix and this one
   Index adopted_at = -1;     ///< step at which the factor in use was adopted
   Index failed_factors = 0;  ///< factorisations that failed so far
+  Index analyses = 0;        ///< orders of elimination chosen anew so far, not by a worker
   bool converged = true;
   bool stale = false;   ///< the factor is older than the policy allows: the worker is late
   std::string message;  ///< empty, or what went wrong: clauses, in the order of events

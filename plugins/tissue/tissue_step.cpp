@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "rotation.h"
+#include "node_rotations.h"
 #include "tissue.h"
 
 namespace sutura {
@@ -72,7 +72,7 @@ void Tissue::assemble(const StepContext& context) {
   linearised_at_ = x_;
   if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
   ++linearisations_;
-  if (solver_->wants_rotations()) update_node_rotations();
+  if (solver_->wants_rotations()) node_rotations(mesh->data(), x_, node_rotations_);
   if (h != assembled_for_) solver_->renew();
   assembled_for_ = h;
   solver_->prepare(*A_, node_rotations_, context.step);
@@ -182,26 +182,6 @@ void Tissue::end_step(const StepContext& context, const VecX& force) {
   }
   for (const Support& s : supports_) reaction_.segment<3>(3 * s.node) += support_force(s);
   in_step_ = false;
-}
-
-/// The material around a node turns as its tets do, each in proportion to its volume, where A was
-/// made.
-void Tissue::update_node_rotations() {
-  const MeshData& data = mesh->data();
-  node_rotations_.assign(data.points.size(), Mat3::Zero());
-  for (const Tet& t : data.tets) {
-    Mat3 D, d;
-    for (int c = 0; c < 3; ++c) {
-      D.col(c) = data.points[t[c + 1]] - data.points[t[0]];
-      d.col(c) = x_.segment<3>(3 * t[c + 1]) - x_.segment<3>(3 * t[0]);
-    }
-    // F times six volumes, without a division: cof D = det D D^-T.
-    Mat3 cofactors;
-    cofactors << D.col(1).cross(D.col(2)), D.col(2).cross(D.col(0)), D.col(0).cross(D.col(1));
-    const Mat3 weighted = d * cofactors.transpose();
-    for (const Index i : t) node_rotations_[i] += weighted;
-  }
-  for (Mat3& R : node_rotations_) R = nearest_rotation(R / R.norm());
 }
 
 }  // namespace sutura

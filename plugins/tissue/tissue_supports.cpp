@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "node_rotations.h"
 #include "sutura/units.h"
 #include "tissue.h"
 
@@ -112,7 +113,7 @@ std::string Tissue::settle(const Vec3& gravity) {
     left = elastic_force_.norm();
     found = left <= tolerance;
     if (found) break;
-    update_node_rotations();
+    node_rotations(mesh->data(), x_, node_rotations_);
     direct->prepare(*A_, node_rotations_, i);
     rhs_ = elastic_force_;
     direct->solve(rhs_);

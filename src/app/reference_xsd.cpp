@@ -1,28 +1,12 @@
 #include "app/reference.h"
+#include "sutura/text.h"
 
 namespace sutura::app {
 
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string documentation(const std::string& text, const std::string& indent) {
-  return indent + "<xs:annotation><xs:documentation>" + escaped(text) +
+  return indent + "<xs:annotation><xs:documentation>" + xml_escaped(text) +
          "</xs:documentation></xs:annotation>\n";
 }
 

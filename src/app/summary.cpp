@@ -41,16 +41,6 @@ void Summary::add(const StepReport& report) {
   count(faults_, report.faults, report.step);
   count(notes_, report.messages, report.step);
   if (report.solved && !report.faults.empty()) ++faulty_;
-  forms_.resize(report.compliance.size());
-  for (std::size_t i = 0; i < forms_.size(); ++i) {
-    const ComplianceReport& r = report.compliance[i];
-    if (!(r.operator_count > 0)) continue;
-    forms_[i].body = r.body;
-    ++forms_[i].steps;
-    if (r.as_operator) ++forms_[i].as_operator;
-    forms_[i].assembled_count += r.assembled_count;
-    forms_[i].operator_count += r.operator_count;
-  }
   blocks_.add(static_cast<double>(report.blocks), report.step);
   rows_.add(static_cast<double>(report.rows), report.step);
   sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
@@ -98,14 +88,6 @@ std::string Summary::text(double wall_seconds) const {
   row("sweeps", sweeps_);
   row("residual", residual_);
   row("violation [m]", violation_);
-  for (const Form& f : forms_) {
-    if (f.steps == 0) continue;
-    const double n_steps = static_cast<double>(f.steps);
-    out += "  compliance of " + f.body;  // of any length
-    append(out, ": operator in %ld of %ld steps (%.2g multiplications a step, assembled %.2g)\n",
-           static_cast<long>(f.as_operator), static_cast<long>(f.steps), f.operator_count / n_steps,
-           f.assembled_count / n_steps);
-  }
   append(out,
          "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",
          static_cast<double>(passes_) / n, static_cast<long>(most_passes_),

@@ -53,13 +53,6 @@ class Summary {
   std::map<std::string, Kind> faults_, notes_;
   Index faulty_ = 0;  ///< solved steps with faults
   std::array<double, stage_names.size()> seconds_{};
-  /// How the compliance of a body with an operator form was kept.
-  struct Form {
-    std::string body;
-    Index steps = 0, as_operator = 0;
-    double assembled_count = 0, operator_count = 0;
-  };
-  std::vector<Form> forms_;
   Track blocks_, rows_, sweeps_, residual_, violation_;
 };
 

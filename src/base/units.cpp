@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/unit_expression.h"
+#include "sutura/text.h"
 
 namespace sutura {
 
@@ -18,13 +19,6 @@ std::string_view trim(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
-}
-
-/// For messages: long or hostile text is cut.
-std::string quoted(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  if (text.size() <= longest) return "'" + std::string(text) + "'";
-  return "'" + std::string(text.substr(0, longest)) + "...'";
 }
 
 /// Characters at the start of `text` that spell a decimal number; 0 if there is none. Infinities
@@ -87,7 +81,7 @@ bool has_number_after_blank(std::string_view text) {
 /// What to say when the text should start with a number and does not.
 std::string not_a_number(std::string_view text) {
   if (text.empty()) return "the value is empty; a number was expected";
-  return quoted(text) + " is not a number";
+  return in_quotes(text) + " is not a number";
 }
 
 /// The unit behind the number(s), checked against the expected one.
@@ -101,21 +95,21 @@ std::optional<Unit> expected_unit(std::string_view text, std::string_view si_uni
   }
   if (text.empty()) return Unit{expected->dimension, 0, 1};
   if (text.front() == ',') {
-    error = quoted(whole) + " is not a number; the decimal sign is a point";
+    error = in_quotes(whole) + " is not a number; the decimal sign is a point";
     return std::nullopt;
   }
   const bool is_reciprocal = text.front() == '1' && trim(text.substr(1)).starts_with('/');
   if (number_length(text) > 0 && !is_reciprocal) {
-    error = quoted(whole) + " has more than one number";
+    error = in_quotes(whole) + " has more than one number";
     return std::nullopt;
   }
   const std::optional<Unit> unit = parse_unit(text, why);
   if (!unit) {
-    error = quoted(whole) + ": " + why;
+    error = in_quotes(whole) + ": " + why;
     return std::nullopt;
   }
   if (unit->dimension != expected->dimension) {
-    error = quoted(whole) + " has the wrong unit: expected ";
+    error = in_quotes(whole) + " has the wrong unit: expected ";
     error += si_unit == "1" ? "a pure number" : "a unit like " + std::string(si_unit);
     return std::nullopt;
   }
@@ -126,7 +120,7 @@ std::optional<Real> scaled(std::string_view number, const Unit& unit, std::strin
   std::optional<Real> value = decimal(number, unit.power);
   if (value) *value *= unit.factor;
   if (value && std::isfinite(*value)) return value;
-  error = quoted(number) + " is too large or too small for a number";
+  error = in_quotes(number) + " is too large or too small for a number";
   return std::nullopt;
 }
 
@@ -163,15 +157,15 @@ std::optional<std::vector<Real>> parse_quantities(std::string_view text, std::st
     numbers.push_back(rest.substr(0, length));
     rest.remove_prefix(length);
     if (!rest.empty() && (number_length(rest) > 0 || rest.front() == '.')) {  // "12-3", "1.2.3"
-      error = quoted(text) + ": " + quoted(numbers.back()) + " is followed by " + quoted(rest) +
-              " without a blank";
+      error = in_quotes(text) + ": " + in_quotes(numbers.back()) + " is followed by " +
+              in_quotes(rest) + " without a blank";
       return std::nullopt;
     }
     rest = trim(rest);
     if (!rest.starts_with(',')) continue;
     rest = trim(rest.substr(1));
     if (number_length(rest) == 0) {
-      error = quoted(text) + ": a number is missing after a comma";
+      error = in_quotes(text) + ": a number is missing after a comma";
       return std::nullopt;
     }
   }
@@ -180,7 +174,7 @@ std::optional<std::vector<Real>> parse_quantities(std::string_view text, std::st
     return std::nullopt;
   }
   if (rest.find_first_of(".,;") != std::string_view::npos || has_number_after_blank(rest)) {
-    error = quoted(text) + ": one unit, at the end, holds for the whole list";
+    error = in_quotes(text) + ": one unit, at the end, holds for the whole list";
     return std::nullopt;
   }
   const std::optional<Unit> unit = expected_unit(rest, si_unit, text, error);

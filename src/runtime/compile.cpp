@@ -6,7 +6,6 @@
 #include "runtime/gauss_seidel_component.h"
 #include "runtime/output_folder.h"
 #include "runtime/state.h"
-#include "solve/compliance_stage.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
 
@@ -95,7 +94,6 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     if (auto* body = dynamic_cast<Body*>(c)) {
       s->bodies_.push_back({c->path(), body});
       s->const_bodies_.push_back(body);
-      s->report_.compliance.push_back({.body = c->path()});
       s->report_.bodies.push_back({.body = c->path(), .imbalance = {}, .work = {}});
       s->imbalance_.emplace_back();
       s->body_force_.push_back(VecX::Zero(body->dofs()));
@@ -126,7 +124,6 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   }
   if (!s->settle(diagnostics)) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
-  s->compliance_ = std::make_unique<ComplianceStage>();
   s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();
   s->output_directory_ = output_directory;

@@ -30,11 +30,6 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");
   d.attribute("acceleration", &GaussSeidel::acceleration_, {"none", "nncg", "subspace"},
               "What helps the sweeps: nothing, nonlinear conjugate gradients, or the direct step.");
-  d.attribute(
-      "compliance", &GaussSeidel::compliance_, {"auto", "assembled", "operator"},
-      "How the compliance of a thread is kept: as part of the dense W, as an operator that never "
-      "forms it, or "
-      "whichever is counted to be cheaper in this step. The forces are the same to rounding.");
   d.attribute("dump", &GaussSeidel::dump_,
               "Folder, under the output folder, for problems to be replayed by the solver bench: "
               "every one that does not "

@@ -12,14 +12,12 @@ class GaussSeidel : public Component, public ConstraintSolver {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   SolveReport solve(ConstraintProblem& problem) override;
-  ComplianceForm compliance_form() const override { return compliance_; }
 
  private:
   Real tolerance_ = 1e-9;
   Index sweeps_ = 1000;
   Index seed_ = 1;
   Acceleration acceleration_ = Acceleration::subspace;
-  ComplianceForm compliance_ = ComplianceForm::automatic;
   std::string dump_;
   Index dump_every_ = 0;
 

@@ -5,7 +5,6 @@
 #include "base/stage_timer.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
-#include "solve/compliance_stage.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
 
@@ -20,8 +19,6 @@ const StepReport& Simulation::step() {
   try {
     take_step(timer);
   } catch (...) {
-    if (timer.current() == Stage::compliance)
-      asked_ = dynamic_cast<const Component*>(compliance_->asked());
     report_.failure = failure_of(
         asked_, "in stage '" + std::string(stage_names[static_cast<std::size_t>(timer.current())]) +
                     "' of step " + std::to_string(number));
@@ -105,7 +102,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
 /// Balanced is not enough where a body can go lower. False if none can.
 bool Simulation::leave_saddles() {
   bool left = false;
-  for (const NamedBody& b : bodies_) left = b.body->leave_saddle() || left;
+  for (const NamedBody& b : bodies_) left = ask(b.body).leave_saddle() || left;
   return left;
 }
 
@@ -117,13 +114,15 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i);
     ask(bodies_[i].body).linearise(context, body_force_[i]);
-    problem_.bodies[i].add_product(context.dt * bodies_[i].body->change(), problem_.d_free);
+    problem_.bodies[i].add_product(context.dt, bodies_[i].body->change(), problem_.d_free);
   }
 
-  // W = h^2 H A^-1 H^T: assembled, or an operator where the body is a chain and that is cheaper.
+  // W = h^2 H A^-1 H^T, the sum over the bodies.
   timer.enter(Stage::compliance);
-  compliance_->run(const_bodies_, problem_, context.dt, solver_->compliance_form(), report_.solve,
-                   report_.compliance);
+  problem_.W.setZero(problem_.rows(), problem_.rows());
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (problem_.bodies[i].size() > 0)
+      ask(bodies_[i].body).add_compliance(problem_.bodies[i], context.dt, problem_.W);
 
   // lambda and the state of every block.
   timer.enter(Stage::solve);

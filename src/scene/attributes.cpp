@@ -4,17 +4,12 @@
 #include <charconv>
 #include <cmath>
 
+#include "sutura/text.h"
 #include "sutura/units.h"
 
 namespace sutura {
 
 namespace {
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  if (text.size() <= longest) return "'" + std::string(text) + "'";
-  return "'" + std::string(text.substr(0, longest)) + "...'";
-}
 
 std::string with_unit(Real value, const std::string& unit) {
   std::string out = format_real(value);
@@ -25,7 +20,7 @@ std::string with_unit(Real value, const std::string& unit) {
 bool in_range(const Range& range, const std::string& unit, Real value, std::string_view text,
               std::string& error) {
   if (range.contains(value)) return true;
-  error = quoted(text) + " is out of range: it must be " + range_text(range, unit);
+  error = in_quotes(text) + " is out of range: it must be " + range_text(range, unit);
   return false;
 }
 
@@ -33,8 +28,8 @@ bool read_integer(const AttributeInfo& a, Index& out, std::string_view text, std
   Index value = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (code != std::errc{} || end != text.data() + text.size()) {
-    error = code == std::errc::result_out_of_range ? quoted(text) + " is too large"
-                                                   : quoted(text) + " is not a whole number";
+    error = code == std::errc::result_out_of_range ? in_quotes(text) + " is too large"
+                                                   : in_quotes(text) + " is not a whole number";
     return false;
   }
   if (!in_range(a.range, "", static_cast<Real>(value), text, error)) return false;
@@ -65,7 +60,7 @@ bool read_choice(const AttributeInfo& a, Component& owner, std::string_view text
     a.set_choice(owner, static_cast<int>(found - a.choices.begin()));
     return true;
   }
-  error = quoted(text) + " is not one of";
+  error = in_quotes(text) + " is not one of";
   for (std::size_t i = 0; i < a.choices.size(); ++i) error += (i == 0 ? " " : ", ") + a.choices[i];
   const std::string near = nearest_name(text, a.choices);
   if (!near.empty()) error += "; did you mean '" + near + "'?";
@@ -91,7 +86,7 @@ bool read_attribute(const AttributeInfo& a, Component& owner, std::string_view t
       return read_integer(a, *static_cast<Index*>(a.member(owner)), text, error);
     case AttributeType::flag:
       if (text != "true" && text != "false") {
-        error = quoted(text) + " is neither 'true' nor 'false'";
+        error = in_quotes(text) + " is neither 'true' nor 'false'";
         return false;
       }
       *static_cast<bool*>(a.member(owner)) = text == "true";
@@ -110,7 +105,7 @@ bool read_attribute(const AttributeInfo& a, Component& owner, std::string_view t
       const auto values = read_list(a, text, error);
       if (!values) return false;
       if (values->size() != 3) {
-        error = quoted(text) + " has " + std::to_string(values->size()) +
+        error = in_quotes(text) + " has " + std::to_string(values->size()) +
                 (values->size() == 1 ? " number" : " numbers") + "; expected 3";
         return false;
       }

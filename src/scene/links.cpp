@@ -6,15 +6,11 @@
 #include <utility>
 
 #include "scene/builder.h"
+#include "sutura/text.h"
 
 namespace sutura {
 
 namespace {
-
-std::string shown(std::string_view name) {
-  constexpr std::size_t longest = 60;
-  return name.size() <= longest ? std::string(name) : std::string(name.substr(0, longest)) + "...";
-}
 
 /// "a", "a and b", "a, b and 3 more".
 std::string enumerate(const std::vector<std::string>& words) {
@@ -141,7 +137,7 @@ class Resolver {
 
   Component* named() {
     const std::string path = absolute();
-    const std::string as_written = "'" + shown(pending_->text) + "'";
+    const std::string as_written = in_quotes(pending_->text);
     if (path.empty()) {
       complain(as_written + " climbs above the root of the scene");
       return nullptr;

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "scene/plugin_file.h"
+#include "sutura/text.h"
 
 namespace sutura {
 
@@ -85,8 +86,8 @@ bool load_plugin(Registry& registry, const std::string& name,
   };
   if (registry.has_plugin(name)) return true;
   if (!is_plugin_name(name))
-    return fail("'" + name.substr(0, 80) +
-                "' cannot be the name of a plugin: lower case letters, digits and '_' only");
+    return fail(in_quotes(name) +
+                " cannot be the name of a plugin: lower case letters, digits and '_' only");
 
   for (const std::string& directory : directories) {
     const fs::path file =

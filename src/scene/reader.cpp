@@ -5,14 +5,11 @@
 #include "scene/attributes.h"
 #include "scene/builder.h"
 #include "sutura/plugin.h"
+#include "sutura/text.h"
 #include "sutura/units.h"
 
 namespace sutura {
 namespace {
-
-std::string shown(std::string_view name) {
-  return std::string(name.substr(0, 60)) + (name.size() > 60 ? "..." : "");
-}
 
 const std::vector<std::string> settings{
     "version", "dt", "gravity", "duration", "tolerance", "gap_tolerance", "passes", "substeps"};
@@ -50,7 +47,7 @@ void SceneReader::take_overrides(const LoadOptions& options) {
     if (dot != std::string::npos) o.attribute = target.substr(dot + 1);
     o.value = value;
     if (o.attribute.empty() || o.path.front() != '/') {
-      error({"--set " + shown(target), 0}, "",
+      error({"--set " + shortened(target), 0}, "",
             "expected '/path/of/component.attribute=value', or '.dt=value' for a setting of the "
             "scene");
       continue;
@@ -69,13 +66,14 @@ void SceneReader::report_unused_overrides() {
   for (const Override& o : overrides_) {
     if (o.used || failed_.contains(o.path)) continue;
     const std::string target = o.path == "/" ? "" : o.path;
-    const SourceLocation where{"--set " + shown(target + '.' + o.attribute), 0};
+    const SourceLocation where{"--set " + shortened(target + '.' + o.attribute), 0};
     const auto component = attribute_names_.find(o.path);
     if (component == attribute_names_.end())
-      error(where, "", "the scene has no component " + shown(o.path) + did_you_mean(o.path, paths));
+      error(where, "",
+            "the scene has no component " + shortened(o.path) + did_you_mean(o.path, paths));
     else
       error(where, o.path == "/" ? "" : o.path,
-            "there is no attribute '" + shown(o.attribute) + "'" +
+            "there is no attribute '" + shortened(o.attribute) + "'" +
                 did_you_mean(o.attribute, component->second));
   }
 }
@@ -89,7 +87,7 @@ std::vector<SceneReader::Value> SceneReader::values_of(const XmlElement& element
     const auto same = std::find_if(values.begin(), values.end(),
                                    [&](const Value& v) { return v.name == o.attribute; });
     const std::string target = path == "/" ? "" : path;
-    Value value{o.attribute, o.value, {"--set " + shown(target + '.' + o.attribute), 0}};
+    Value value{o.attribute, o.value, {"--set " + shortened(target + '.' + o.attribute), 0}};
     if (same != values.end())
       *same = std::move(value);
     else
@@ -101,20 +99,20 @@ std::vector<SceneReader::Value> SceneReader::values_of(const XmlElement& element
 void SceneReader::reject_text(const XmlElement& element, const std::string& path) {
   if (element.text_line > 0)
     error(at(element.text_line), path,
-          "text inside <" + shown(element.name) + ">; a scene says everything in attributes");
+          "text inside <" + shortened(element.name) + ">; a scene says everything in attributes");
 }
 
 void SceneReader::reject_children(const XmlElement& element, const std::string& path) {
   for (const XmlElement& child : element.children)
     error(at(child.line), path,
-          "<" + shown(child.name) + "> inside <" + shown(element.name) +
+          "<" + shortened(child.name) + "> inside <" + shortened(element.name) +
               ">, which takes no elements; group components with <node>");
 }
 
 void SceneReader::read(const XmlElement& root) {
   if (root.name != "sutura") {
     error(at(root.line), "",
-          "the root element is <" + shown(root.name) + ">; expected <sutura version=\"1\">");
+          "the root element is <" + shortened(root.name) + ">; expected <sutura version=\"1\">");
     return;
   }
   scene_.root.path = "/";
@@ -138,7 +136,7 @@ void SceneReader::read_settings(const XmlElement& root) {
       const std::optional<Real> number = parse_quantity(value.text, unit, why);
       if (!number) return complain(why);
       if (!range.contains(*number))
-        return complain("'" + shown(value.text) + "' is out of range: it must be " +
+        return complain(in_quotes(value.text) + " is out of range: it must be " +
                         range_text(range, unit));
       out = *number;
     };
@@ -147,14 +145,14 @@ void SceneReader::read_settings(const XmlElement& root) {
       read(number, "1", range);
       const auto whole = static_cast<Index>(number);
       if (static_cast<Real>(whole) != number || (power_of_two && (whole & (whole - 1)) != 0))
-        return complain("'" + shown(value.text) + "': expected a whole number" +
+        return complain(in_quotes(value.text) + ": expected a whole number" +
                         (power_of_two ? " that is a power of two" : ""));
       out = whole;
     };
     if (value.name == "version") {
       has_version = true;
       if (value.text != "1")
-        complain("'" + shown(value.text) + "' is not supported; this program reads version 1");
+        complain(in_quotes(value.text) + " is not supported; this program reads version 1");
     } else if (value.name == "dt") {
       read(scene_.dt, "s", dt_range);
     } else if (value.name == "duration") {
@@ -172,7 +170,7 @@ void SceneReader::read_settings(const XmlElement& root) {
       if (!g)
         complain(why);
       else if (g->size() != 3)
-        complain("'" + shown(value.text) + "' has " + std::to_string(g->size()) +
+        complain(in_quotes(value.text) + " has " + std::to_string(g->size()) +
                  " numbers; expected 3");
       else
         scene_.gravity = Vec3((*g)[0], (*g)[1], (*g)[2]);
@@ -180,7 +178,7 @@ void SceneReader::read_settings(const XmlElement& root) {
       const bool overridden = value.location.line == 0;  // said better with the other --set errors
       if (!overridden)
         error(value.location, "",
-              "<sutura> has no attribute '" + shown(value.name) + "'" +
+              "<sutura> has no attribute '" + shortened(value.name) + "'" +
                   did_you_mean(value.name, settings));
     }
   }
@@ -201,7 +199,7 @@ void SceneReader::read_plugins(const XmlElement& root) {
         name = &a;
       else
         error(at(a.line), "",
-              "<plugin> has no attribute '" + shown(a.name) + "', only 'name'" +
+              "<plugin> has no attribute '" + shortened(a.name) + "', only 'name'" +
                   did_you_mean(a.name, only_name));
     }
     if (!name) {
@@ -211,7 +209,7 @@ void SceneReader::read_plugins(const XmlElement& root) {
     }
     const auto same = [&](const PluginUse& use) { return use.name == name->value; };
     if (std::any_of(scene_.plugins.begin(), scene_.plugins.end(), same)) {
-      error(at(name->line), "", "the plugin '" + shown(name->value) + "' is named twice");
+      error(at(name->line), "", "the plugin '" + shortened(name->value) + "' is named twice");
       continue;
     }
     scene_.plugins.push_back({name->value, at(name->line)});
@@ -243,18 +241,18 @@ std::string SceneReader::name_of(const XmlElement& element, const std::string& f
   const int line = is_given ? given->line : element.line;
   const std::string where = parent.parent ? parent.path : std::string();
   if (!is_given && fallback.empty()) {
-    error(at(line), where, "<" + shown(element.name) + "> needs a name");
+    error(at(line), where, "<" + shortened(element.name) + "> needs a name");
     return {};
   }
   if (!is_name(name)) {
-    error(
-        at(line), where,
-        "'" + shown(name) + "' cannot be a name: a letter, then letters, digits, '_' and '-' only");
+    error(at(line), where,
+          in_quotes(name) + " cannot be a name: a letter, then letters, digits, '_' and '-' only");
     return {};
   }
   if (!names.insert(name).second) {
     error(at(line), where,
-          "the name '" + shown(name) + "' is taken by a sibling; say name=\"...\" for one of them");
+          "the name '" + shortened(name) +
+              "' is taken by a sibling; say name=\"...\" for one of them");
     return {};
   }
   return name;
@@ -270,7 +268,7 @@ void SceneReader::read_node(const XmlElement& element, Node& parent, std::set<st
   for (const XmlAttribute& a : element.attributes)
     if (a.name != "name")
       error(at(a.line), node->path,
-            "<node> has no attribute '" + shown(a.name) + "', only 'name'" +
+            "<node> has no attribute '" + shortened(a.name) + "', only 'name'" +
                 did_you_mean(a.name, only_name));
   reject_text(element, node->path);
   if (name.empty()) failed_.insert(node->path);
@@ -307,7 +305,7 @@ void SceneReader::unknown_component(const XmlElement& element, const std::string
               "\"/>");
     return;
   }
-  std::string message = "there is no component <" + shown(element.name) + ">";
+  std::string message = "there is no component <" + shortened(element.name) + ">";
   if (!near.empty()) {
     message += "; did you mean <" + near + ">?";
   } else if (scene_.plugins.empty()) {
@@ -315,7 +313,7 @@ void SceneReader::unknown_component(const XmlElement& element, const std::string
   } else {
     message += " in the plugins of this scene (";
     for (const PluginUse& use : scene_.plugins)
-      message += (&use == &scene_.plugins.front() ? "" : ", ") + shown(use.name);
+      message += (&use == &scene_.plugins.front() ? "" : ", ") + shortened(use.name);
     message += ")";
   }
   error(at(element.line), path, message);
@@ -392,7 +390,7 @@ void SceneReader::read_values(const XmlElement& element, Component& component, N
     candidates.push_back("name");
     const std::string meant = did_you_mean(value.name, candidates);
     error(value.location, component.path(),
-          "<" + info.name + "> has no attribute '" + shown(value.name) + "'" +
+          "<" + info.name + "> has no attribute '" + shortened(value.name) + "'" +
               (meant.empty() ? "; 'sutura describe " + info.name + "' lists what it has" : meant));
   }
 }

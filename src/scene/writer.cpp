@@ -4,34 +4,12 @@
 
 #include "scene/attributes.h"
 #include "scene/builder.h"
+#include "sutura/text.h"
 #include "sutura/units.h"
 
 namespace sutura {
 
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 class Writer {
  public:
@@ -70,7 +48,7 @@ class Writer {
 
  private:
   void attribute(const std::string& name, const std::string& value) {
-    out_ += ' ' + name + "=\"" + escaped(value) + '"';
+    out_ += ' ' + name + "=\"" + xml_escaped(value) + '"';
   }
 
   /// Position of the first component at or below `node`; nodes without any come last.

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "scene/xml_tree.h"
+#include "sutura/text.h"
 
 namespace sutura {
 
@@ -27,11 +28,6 @@ std::string odd_byte(char c) {
   return value < 0x20
              ? std::string("the control character ") + hex + ", which XML does not allow"
              : std::string("the byte ") + hex + " is not UTF-8; save the file as UTF-8 text";
-}
-
-std::string shortened(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  return text.size() <= longest ? std::string(text) : std::string(text.substr(0, longest)) + "...";
 }
 
 /// Bytes of the character that begins the text, or 0: no UTF-8, or a control character, which XML

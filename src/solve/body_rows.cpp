@@ -12,7 +12,7 @@ void BodyRows::clear() {
   value.clear();
 }
 
-void BodyRows::add_transposed(const VecX& lambda, VecX& force) const {
+void BodyRows::add_transposed(const Eigen::Ref<const VecX>& lambda, VecX& force) const {
   for (std::size_t i = 0; i < row.size(); ++i) {
     const Real l = lambda[row[i]];
     if (l == 0) continue;
@@ -22,11 +22,12 @@ void BodyRows::add_transposed(const VecX& lambda, VecX& force) const {
   }
 }
 
-void BodyRows::add_product(const VecX& u, VecX& delta) const {
+void BodyRows::add_product(Real scale, const Eigen::Ref<const VecX>& u,
+                           Eigen::Ref<VecX> delta) const {
   for (std::size_t i = 0; i < row.size(); ++i)
     for (Index e = start[i]; e < start[i + 1]; ++e)
       delta[row[i]] +=
-          u.segment(node[static_cast<std::size_t>(e)] * width, width)
+          (scale * u.segment(node[static_cast<std::size_t>(e)] * width, width))
               .dot(Eigen::Map<const VecX>(&value[static_cast<std::size_t>(e * width)], width));
 }
 
@@ -38,10 +39,6 @@ std::optional<int> SolidBody::find_region(const std::string& name_or_tag,
   if (code == std::errc{} && rest == end) return tag;
   error = "'" + name_or_tag + "' is no number, and this solid has no names of regions";
   return {};
-}
-
-bool Body::chain_compliance(const BodyRows&, Real, ChainCompliance&) const {
-  return false;
 }
 
 void Body::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {

@@ -11,17 +11,27 @@ namespace sutura {
 ConstraintBuilder::ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies)
     : problem_(problem), bodies_(std::move(bodies)) {
   problem_.bodies.resize(bodies_.size());
-  problem_.chains.resize(bodies_.size());
 }
 
-void ConstraintBuilder::Memory::remember(const ConstraintProblem& problem) {
+namespace {
+
+/// In which a block begins the next step.
+Mode next_mode(const ConstraintProblem& problem, const ConstraintBlock& b) {
+  if (b.law->next_mode == nullptr) return b.mode;
+  return b.law->next_mode(problem.block_params(b), problem.delta.data() + b.first_row, b.mode,
+                          problem.lambda.data() + b.first_row);
+}
+
+}  // namespace
+
+void ConstraintBuilder::Memory::remember(const ConstraintProblem& problem, Warm next) {
   blocks.clear();
   for (const ConstraintBlock& b : problem.blocks)
-    blocks.push_back({b.key, b.law->name, b.first_row, b.mode});
+    blocks.push_back({b.key, b.law->name, b.first_row,
+                      next == Warm::step_before ? next_mode(problem, b) : b.mode});
   std::sort(blocks.begin(), blocks.end(),
             [](const Known& a, const Known& b) { return a.key < b.key; });
-  if (lambda.size() < problem.lambda.size()) lambda.resize(problem.lambda.size());
-  lambda.head(problem.lambda.size()) = problem.lambda;
+  lambda.assign(problem.lambda.begin(), problem.lambda.end());
 }
 
 const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(const ConstraintBlock& b) const {
@@ -32,12 +42,12 @@ const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(const Constraint
 }
 
 void ConstraintBuilder::accept() {
-  step_before_.remember(problem_);
+  step_before_.remember(problem_, Warm::step_before);
 }
 
 void ConstraintBuilder::begin(Warm warm) {
   warm_ = warm;
-  if (warm == Warm::pass_before) pass_before_.remember(problem_);
+  if (warm == Warm::pass_before) pass_before_.remember(problem_, Warm::pass_before);
   problem_.blocks.clear();
   problem_.params.clear();
   patches_.clear();
@@ -148,16 +158,16 @@ void ConstraintBuilder::gather_rows(std::size_t body) {
 void ConstraintBuilder::finish() {
   const auto rows = static_cast<Index>(gap_.size());
   problem_.gap = Eigen::Map<const VecX>(gap_.data(), rows);
-  problem_.d_free = problem_.delta = problem_.gap;
+  problem_.d_free = problem_.gap;
+  problem_.delta = problem_.gap;
   problem_.lambda.setZero(rows);
-  const bool same_step = warm_ == Warm::pass_before;
-  const Memory& memory = same_step ? pass_before_ : step_before_;
+  const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
   for (ConstraintBlock& b : problem_.blocks) {
     const Known* old = memory.find(b);
     if (old == nullptr) continue;
-    const auto lambda = memory.lambda.segment(old->first, b.law->dim);
+    const Eigen::Map<const VecX> lambda(memory.lambda.data() + old->first, b.law->dim);
     if (lambda.allFinite()) problem_.lambda.segment(b.first_row, b.law->dim) = lambda;
-    if (same_step) b.mode = old->mode;
+    b.mode = old->mode;
   }
   for (std::size_t body = 0; body < bodies_.size(); ++body) gather_rows(body);
 }

@@ -20,20 +20,17 @@ void BlockGaussSeidel::shuffle() {
 
 void BlockGaussSeidel::sweep(ConstraintProblem& problem) {
   shuffle();
-  compliance_.begin_sweep();
   for (const std::size_t i : order_) {
     ConstraintBlock& b = problem.blocks[i];
     const int dim = b.law->dim;
     Real* lambda = problem.lambda.data() + b.first_row;
-    Real delta[max_block_dim], d[max_block_dim], change[max_block_dim];
-    compliance_.displacement(problem, i, delta);
-    own_free_violation(dim, compliance_[i], delta, lambda, d);
+    Real d[max_block_dim], change[max_block_dim];
+    own_free_violation(dim, compliance_[i], problem.delta.data() + b.first_row, lambda, d);
     std::copy_n(lambda, dim, change);
     b.law->project({compliance_[i], d, problem.block_params(b), &b.mode, lambda});
     for (int k = 0; k < dim; ++k) change[k] = lambda[k] - change[k];
     compliance_.add_change(problem, i, change);
   }
-  compliance_.end_sweep(problem);
 }
 
 void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {

@@ -1,4 +1,4 @@
-// Block Gauss-Seidel, with events and a direct step, on W in whatever form it comes (compliance.h).
+// Block Gauss-Seidel, with events and a direct step.
 // docs/theory/solver.md.
 #pragma once
 
@@ -42,8 +42,8 @@ class BlockGaussSeidel {
   SubspaceStep subspace_;
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;
-  VecX lambda_plus_;
-  VecX before_, search_;  // NNCG
+  GrowingVec lambda_plus_;
+  GrowingVec before_, search_;  // NNCG
   Real last_gradient_ = 0;
 };
 

@@ -28,7 +28,7 @@ class LawCheck {
   Compliance compliance_;
   std::vector<Known> known_;  ///< sorted by key
   std::vector<Real> diagonal_;
-  VecX d_free_;
+  GrowingVec d_free_;
 };
 
 }  // namespace sutura

@@ -24,8 +24,8 @@ Real Residual::add(ConstraintBlock& block, const Real* W, const Real* change) {
   return here;
 }
 
-Residual natural_map(ConstraintProblem& problem, const Compliance& compliance, VecX& lambda_plus,
-                     std::vector<Real>* per_block) {
+Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
+                     GrowingVec& lambda_plus, std::vector<Real>* per_block) {
   if (per_block != nullptr) per_block->resize(problem.blocks.size());
   Residual residual;
   lambda_plus.resize(problem.rows());

@@ -19,8 +19,8 @@ struct Residual {
 
 /// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given,
 /// receives the residual of each block.
-Residual natural_map(ConstraintProblem& problem, const Compliance& compliance, VecX& lambda_plus,
-                     std::vector<Real>* per_block = nullptr);
+Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
+                     GrowingVec& lambda_plus, std::vector<Real>* per_block = nullptr);
 
 /// Fires what is due, all at once; returns how many.
 Index fire_events(ConstraintProblem& problem);

@@ -3,8 +3,6 @@
 #include <cstring>
 #include <fstream>
 
-#include "solve/compliance.h"
-
 namespace sutura {
 
 namespace {
@@ -51,9 +49,7 @@ std::string write_problem(const ConstraintProblem& problem, const std::string& f
   }
   put(out, problem.d_free.data(), problem.rows());
   put(out, problem.lambda.data(), problem.rows());
-  // Operators are written as what they stand for, so that a file needs no bodies.
-  const MatX W = assembled_compliance(problem);
-  put(out, W.data(), problem.rows() * problem.rows());
+  put(out, problem.W.data(), problem.rows() * problem.rows());
   return out ? "" : "cannot write " + file;
 }
 

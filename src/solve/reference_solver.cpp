@@ -15,7 +15,7 @@ void ReferenceSolver::set_rho(Real rho) {
 
 Residual ReferenceSolver::admm(ConstraintProblem& problem, Index count, Real target,
                                Index& iterations) {
-  VecX& z = problem.lambda;
+  GrowingVec& z = problem.lambda;
   Residual residual;
   VecX z_before;
   for (Index k = 0; k < count; ++k) {
@@ -57,7 +57,7 @@ SolveReport ReferenceSolver::solve(ConstraintProblem& problem) {
   SolveReport report;
   if (problem.blocks.empty()) return report;
   compliance_.prepare(problem);
-  W_ = assembled_compliance(problem);
+  W_ = problem.W;
   subspace_.begin();
   weight_.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {

@@ -40,7 +40,8 @@ class ReferenceSolver {
   Eigen::LLT<MatX> factor_;
   Real rho_ = 0;
   VecX weight_, penalty_;  // mean diagonal of each row's block; rho times it
-  VecX x_, s_, lambda_plus_;
+  VecX x_, s_;
+  GrowingVec lambda_plus_;
 };
 
 }  // namespace sutura

@@ -12,7 +12,7 @@ void SubspaceStep::begin() {
 }
 
 void SubspaceStep::take_tangent(const ConstraintProblem& problem, Compliance& compliance,
-                                const VecX& lambda_plus, std::size_t block) {
+                                const GrowingVec& lambda_plus, std::size_t block) {
   const ConstraintBlock& b = problem.blocks[block];
   const int dim = b.law->dim;
   const Real* W = compliance[block];
@@ -30,7 +30,7 @@ void SubspaceStep::take_tangent(const ConstraintProblem& problem, Compliance& co
 }
 
 Index SubspaceStep::gather(const ConstraintProblem& problem, Compliance& compliance,
-                           const VecX& lambda_plus) {
+                           const GrowingVec& lambda_plus) {
   tangents_.resize(problem.blocks.size());
   base_.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i)
@@ -111,7 +111,12 @@ bool SubspaceStep::factorise() {
     Eigen::LLT<Eigen::Ref<MatX, 0, Eigen::OuterStride<>>> llt(in_place);
     return llt.info() == Eigen::Success;
   }
-  lu_.compute(G);
+  // As Eigen::PartialPivLU does it, in our own memory.
+  LU_ = G;
+  swaps_.resize(static_cast<std::size_t>(f));
+  int count = 0;
+  Eigen::internal::partial_lu_impl<Real, Eigen::ColMajor, int>::blocked_lu(f, f, LU_.data(), f,
+                                                                           swaps_.data(), count);
   return true;
 }
 
@@ -135,7 +140,9 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
     L.triangularView<Eigen::Lower>().solveInPlace(y_);
     L.transpose().triangularView<Eigen::Upper>().solveInPlace(y_);
   } else {
-    y_ = lu_.solve(y_);
+    for (Index i = 0; i < f; ++i) std::swap(y_[i], y_[swaps_[static_cast<std::size_t>(i)]]);
+    LU_.triangularView<Eigen::UnitLower>().solveInPlace(y_);
+    LU_.triangularView<Eigen::Upper>().solveInPlace(y_);
   }
   y_.array() *= scale_.array();
   for (Index j = 0; j < f; ++j) {
@@ -162,10 +169,10 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
 }
 
 Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
-                              Real tolerance, VecX& lambda_plus, SolveReport& report,
+                              Real tolerance, GrowingVec& lambda_plus, SolveReport& report,
                               bool may_walk) {
   constexpr int most_steps = 12;
-  const VecX& start = start_lambda_ = problem.lambda;
+  const GrowingVec& start = start_lambda_ = problem.lambda;
   best_ = residual;
   best_lambda_ = problem.lambda;
   for (int step = 0; step < most_steps && residual.value > tolerance; ++step) {
@@ -193,7 +200,7 @@ void SubspaceStep::keep_best(const ConstraintProblem& problem, const Residual& r
 }
 
 void SubspaceStep::hold(const ConstraintProblem& problem, Compliance& compliance,
-                        const VecX& lambda, std::size_t block) {
+                        const GrowingVec& lambda, std::size_t block) {
   const ConstraintBlock& b = problem.blocks[block];
   const int dim = b.law->dim;
   Real d[max_block_dim], delta[max_block_dim], plus[max_block_dim];
@@ -212,7 +219,7 @@ void SubspaceStep::hold(const ConstraintProblem& problem, Compliance& compliance
 }
 
 bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& compliance,
-                              const VecX& lambda, std::size_t block) const {
+                              const GrowingVec& lambda, std::size_t block) const {
   using Small =
       Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, max_block_dim, max_block_dim>;
   using SmallVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, max_block_dim, 1>;
@@ -239,7 +246,7 @@ bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& comp
 }
 
 void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance,
-                        VecX& lambda_plus, SolveReport& report) {
+                        GrowingVec& lambda_plus, SolveReport& report) {
   const std::size_t blocks = problem.blocks.size();
   natural_map(problem, compliance, lambda_plus, &block_residual_);
   for (std::size_t i = 0; i < blocks; ++i) {
@@ -253,8 +260,8 @@ void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real
   const Real n = static_cast<Real>(problem.rows());
   const auto affordable = static_cast<std::size_t>(1e9 / (n * n * n / 6 + 2 * n * n));
   const std::size_t most_steps = std::min(3 * blocks + 20, affordable);
-  VecX& from = walk_from_;
-  VecX& way = walk_way_;
+  GrowingVec& from = walk_from_;
+  GrowingVec& way = walk_way_;
   for (std::size_t step = 0; step < most_steps; ++step) {
     collect(problem);
     from = problem.lambda;

@@ -9,7 +9,6 @@
 // visits to find the differences.
 #pragma once
 
-#include <Eigen/LU>
 #include <vector>
 
 #include "solve/law_residual.h"
@@ -23,14 +22,15 @@ class SubspaceStep {
 
   /// Takes the tangents of all laws at lambda_plus (what natural_map answered). Returns the number
   /// of free directions.
-  Index gather(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda_plus);
+  Index gather(const ConstraintProblem& problem, Compliance& compliance,
+               const GrowingVec& lambda_plus);
 
   /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may
   /// cycle. If it does and `may_walk`, a slower walk from where it started. Leaves the best point
   /// met. lambda must be admissible for every law (as it is after a sweep); `residual` and
   /// lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
-                  Real tolerance, VecX& lambda_plus, SolveReport& report, bool may_walk);
+                  Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 
  private:
   struct Entry {
@@ -52,7 +52,7 @@ class SubspaceStep {
   };
 
   void take_tangent(const ConstraintProblem& problem, Compliance& compliance,
-                    const VecX& lambda_plus, std::size_t block);
+                    const GrowingVec& lambda_plus, std::size_t block);
   void collect(const ConstraintProblem& problem);
   bool unchanged() const { return factored_ && now_ == factored_with_; }
   /// lambda <- the solution on the tangents, delta <- W lambda + d_free. False if there is none.
@@ -66,25 +66,26 @@ class SubspaceStep {
   /// clamps what met it; once nothing is met, lets go the one clamped block that most wants to. For
   /// laws without coupling of normal and tangent this descends in energy and must end (Nocedal and
   /// Wright 2006, section 16.5).
-  void walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance, VecX& lambda_plus,
-            SolveReport& report);
+  void walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance,
+            GrowingVec& lambda_plus, SolveReport& report);
   /// The tangent of a block at its force, with the delta that lets it rest there if the law allows.
-  void hold(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda,
+  void hold(const ConstraintProblem& problem, Compliance& compliance, const GrowingVec& lambda,
             std::size_t block);
   /// Whether the block may have this force on its present tangent.
-  bool admissible(const ConstraintProblem& problem, Compliance& compliance, const VecX& lambda,
-                  std::size_t block) const;
+  bool admissible(const ConstraintProblem& problem, Compliance& compliance,
+                  const GrowingVec& lambda, std::size_t block) const;
   void keep_best(const ConstraintProblem& problem, const Residual& residual);
 
   std::vector<FreeDirectionsView> tangents_;  // per block
   std::vector<RowCombination> combinations_;  // per direction
-  VecX base_;
+  GrowingVec base_;
   System now_, factored_with_;
   bool symmetric_ = true, factored_ = false;
   MatX matrix_;  // the leading part holds the system, then its factor
-  VecX gap_, scale_, y_, column_, best_lambda_, start_lambda_, walk_from_, walk_way_;
+  GrowingVec gap_, scale_, y_, column_, best_lambda_, start_lambda_, walk_from_, walk_way_;
   Residual best_;
-  Eigen::PartialPivLU<MatX> lu_;
+  GrowingMat LU_;           // where the system is not symmetric
+  std::vector<int> swaps_;  // of its rows
   std::vector<Real> block_residual_, stops_;
 };
 

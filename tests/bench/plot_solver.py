@@ -2,7 +2,6 @@
 """Charts of sutura_bench_solver. usage: plot_solver.py DIR
 
 solver.png: residual against time, one panel per problem.
-solver_compliance.png: a sweep, the set-up and a solve by rows, for a thread in W and as an operator.
 """
 import csv
 import math
@@ -13,34 +12,6 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-
-
-def compliance(folder):
-    curves = {}
-    with open(folder / "solver_compliance.csv") as f:
-        for row in csv.DictReader(f):
-            curves.setdefault((row["tissue"], row["form"], int(row["beams"])), []).append(row)
-    panels = [("one sweep, rows on the thread alone", "0", "sweep us"),
-              ("one sweep, every row also in tissue", "1", "sweep us"),
-              ("stage compliance, rows on the thread alone", "0", "compliance us"),
-              ("a warm solve, every row also in tissue", "1", "warm solve us")]
-    figure, axes = plt.subplots(2, 2, figsize=(11, 8))
-    markers = {200: "o", 1000: "s", 5000: "^"}
-    for axis, (title, tissue, column) in zip(axes.flat, panels):
-        for (of, form, beams), rows in sorted(curves.items()):
-            if of != tissue:
-                continue
-            axis.loglog([int(r["rows"]) for r in rows], [float(r[column]) for r in rows],
-                        ("-" if form == "operator" else "--") + markers[beams], markersize=4,
-                        color="C0" if form == "operator" else "C1", label=f"{form}, {beams} beams")
-        axis.set_title(title, fontsize=10)
-        axis.set_xlabel("rows")
-        axis.set_ylabel("time (us)")
-        axis.grid(True, which="both", alpha=0.2)
-    axes[0, 0].legend(fontsize=7)
-    figure.tight_layout()
-    figure.savefig(folder / "solver_compliance.svg")
-    figure.savefig(folder / "solver_compliance.png", dpi=110)
 
 
 def race(folder, name):
@@ -75,7 +46,6 @@ def race(folder, name):
 
 def main():
     folder = pathlib.Path(sys.argv[1])
-    compliance(folder)
     race(folder, "solver")
     race(folder, "solver_scenes")
 

@@ -20,7 +20,6 @@
 #include "solve/reference_solver.h"
 #include "solve_problems.h"
 #include "solver_cases.h"
-#include "solver_compliance.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
 
@@ -117,7 +116,6 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path out = argv[1];
   std::filesystem::create_directories(out);
-  if (!bench_compliance(out)) return 3;
   if (!bench_scenes(out)) return 3;
   std::vector<Case> cases;
   for (const int samples : {20, 50, 150})

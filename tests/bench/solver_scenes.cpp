@@ -4,7 +4,6 @@
 #include <sstream>
 #include <vector>
 
-#include "solve/compliance.h"
 #include "solve/gauss_seidel.h"
 #include "solver_cases.h"
 #include "sutura/describe.h"
@@ -23,8 +22,6 @@ class CapturingSolver : public Component, public ConstraintSolver {
     if (capture && !taken) {
       taken = true;
       before = problem;
-      before.W = assembled_compliance(problem);
-      before.chains.clear();
       before.bodies.clear();
     }
     return solver_.solve(problem);

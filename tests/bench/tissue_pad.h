@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "corotational_t4.h"
-#include "rotation.h"
+#include "node_rotations.h"
 #include "smoothed_t4.h"
 #include "tissue_meshes.h"
 #include "tissue_solver.h"
@@ -61,21 +61,7 @@ class Pad {
     model->linearise(x, h * h, A, force);
     A.add_diagonal(mass, 1);
   }
-  void find_rotations() {
-    rotations.assign(mesh.points.size(), Mat3::Zero());
-    for (const Tet& t : mesh.tets) {
-      Mat3 D, d;
-      for (int c = 0; c < 3; ++c) {
-        D.col(c) = mesh.points[t[c + 1]] - mesh.points[t[0]];
-        d.col(c) = x.segment<3>(3 * t[c + 1]) - x.segment<3>(3 * t[0]);
-      }
-      Mat3 cofactors;
-      cofactors << D.col(1).cross(D.col(2)), D.col(2).cross(D.col(0)), D.col(0).cross(D.col(1));
-      const Mat3 weighted = d * cofactors.transpose();
-      for (const Index i : t) rotations[i] += weighted;
-    }
-    for (Mat3& R : rotations) R = nearest_rotation(R / R.norm());
-  }
+  void find_rotations() { node_rotations(mesh, x, rotations); }
   /// A tool of 8 mm radius that circles over the pad and presses with `newtons`.
   VecX tool(Index step, Real newtons) const {
     const Real angle = 0.05 * static_cast<Real>(step), radius = 0.25 * std::min(size.x(), size.y());

@@ -153,7 +153,7 @@ void tissue_age(const std::string& folder) {
           {"diagonal", &jacobi}, {"old factor", &straight}, {"old factor, turned", &turned}};
       for (const auto& [name, P] : all) {
         Pcg pcg;
-        MatX x;
+        GrowingMat x;
         const Index coarse = pcg.solve(beam.A, beam.fixed, *P, b, x, 1e-3, 2000).iterations;
         const Index fine = pcg.solve(beam.A, beam.fixed, *P, b, x, 1e-6, 2000).iterations;
         std::printf("   %s %ld / %ld", name, static_cast<long>(coarse), static_cast<long>(fine));

@@ -4,23 +4,13 @@
 #include <time.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 
+#include "scenes/suture_tasks.h"
 #include "scenes/watched_run.h"
 
 namespace sutura::testing {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::vector<std::string> names() {
-  std::vector<std::string> out;
-  for (const auto& entry : fs::directory_iterator(SUTURA_SOURCE_DIR "/scenes/suture"))
-    if (entry.path().extension() == ".xml") out.push_back(entry.path().stem().string());
-  std::sort(out.begin(), out.end());
-  return out;
-}
 
 /// Processor time of this thread, s: other programs do not count.
 double now() {
@@ -32,11 +22,10 @@ double now() {
 class EveryTask : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryTask, FirstPassesTakeAtMostTwiceTheMedian) {
-  const fs::path file = fs::path(SUTURA_SOURCE_DIR "/scenes/suture") / (GetParam() + ".xml");
   double best = std::numeric_limits<double>::infinity();
   // Caches are still shared with other programs: the best of three counts.
   for (int attempt = 0; attempt < 3 && best > 2; ++attempt) {
-    WatchedRun run(file);
+    WatchedRun run(suture_task(GetParam()));
     ASSERT_TRUE(run);
     std::vector<double> seconds;
     for (int i = 0; i < 41; ++i) {
@@ -51,7 +40,7 @@ TEST_P(EveryTask, FirstPassesTakeAtMostTwiceTheMedian) {
   EXPECT_LE(best, 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryTask, ::testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryTask, ::testing::ValuesIn(suture_tasks()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

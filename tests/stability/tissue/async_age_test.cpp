@@ -55,7 +55,7 @@ TEST(StaleFactor, IterationsAfterABend) {
   const VecX b = testing::rough_vector(s.grid.fixed);
   for (int k = 0; k < 4; ++k) {
     s.deform(testing::bend(0.1, angles[k] * degree, 0.01));
-    MatX x;
+    GrowingMat x;
     const PcgReport r = s.pcg.solve(s.A, s.grid.fixed, s.warped, b, x, 1e-6, 400);
     EXPECT_LE(r.iterations, Index(1.1 * Real(reference[k]))) << angles[k];
     const std::vector<Mat3> none(s.now.size(), Mat3::Identity());
@@ -84,7 +84,7 @@ TEST(StaleFactor, IterationsOfTheTable) {
                           {"pull 5 mm", dent(-0.005), 9, 15}};
   for (const State& state : states) {
     s.deform(state.map);
-    MatX x;
+    GrowingMat x;
     const VecX b = s.weight();
     EXPECT_LE(s.pcg.solve(s.A, s.grid.fixed, s.warped, b, x, 1e-3, 100).iterations, state.coarse)
         << state.name;
@@ -101,7 +101,8 @@ TEST(StaleFactor, TheSolutionDoesNotDependOnTheAge) {
     const auto fresh =
         make_factor(make_factor_plan(s.A.pattern(), s.grid.fixed, {}, default_backend()));
     ASSERT_TRUE(fresh->factorise(s.A));
-    MatX exact = b, x;
+    MatX exact = b;
+    GrowingMat x;
     fresh->solve(exact);
     s.pcg.solve(s.A, s.grid.fixed, s.warped, b, x, 1e-9, 400);
     // Residual 1e-9 times the condition number of A (some 1e3).

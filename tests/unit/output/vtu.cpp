@@ -29,11 +29,6 @@ TEST(Base64, VectorsOfRfc4648) {
   EXPECT_EQ(encode("\xff\xfe\xfd"), "//79");  // digits 62 and 63
 }
 
-TEST(XmlEscape, ReservedCharacters) {
-  EXPECT_EQ(xml_escape("a<b & \"c\">'d'"), "a&lt;b &amp; &quot;c&quot;&gt;&apos;d&apos;");
-  EXPECT_EQ(xml_escape("velocity [m/s]"), "velocity [m/s]");
-}
-
 /// Two tetrahedra with a value per point and a vector per cell.
 VtuGrid two_tetrahedra() {
   VtuGrid g;

@@ -12,6 +12,7 @@
 #include "sutura/laws/bilateral.h"
 #include "sutura/registry.h"
 #include "sutura/simulation.h"
+#include "text_world.h"
 
 namespace sutura::toys {
 
@@ -194,11 +195,7 @@ class Leaning : public Component {
 };
 
 /// A scene out of a few elements, compiled.
-struct World {
-  Diagnostics diagnostics;
-  Registry registry;
-  std::unique_ptr<Simulation> simulation;
-
+struct World : test::TextWorld {
   /// `more` enrols components of the test's own.
   explicit World(const std::string& elements, void (*more)(Registry&) = nullptr) {
     log().clear();
@@ -211,19 +208,7 @@ struct World {
     registry.component<Notes>("Notes");
     registry.component<Broken>("Broken");
     registry.component<Leaning>("Leaning");
-    auto scene = load_scene_text(
-        "<sutura version='1' dt='0.1 s' gravity='0 0 -10'>" + elements + "</sutura>", "test.xml",
-        ".", registry, diagnostics);
-    if (scene) simulation = Simulation::compile(std::move(scene), ".", diagnostics);
-  }
-  std::string messages() const {
-    std::string out;
-    for (const Diagnostic& d : diagnostics.all()) out += d.text() + "\n";
-    return out;
-  }
-  template <class T>
-  T& get(const char* path) const {
-    return dynamic_cast<T&>(*simulation->find(path));
+    load("dt='0.1 s' gravity='0 0 -10'", elements);
   }
 };
 

@@ -137,9 +137,17 @@ TEST_F(Fixture, WarmStartFollowsTheKeyNotThePlace) {
   EXPECT_EQ(world.problem.lambda[3], 0);
 }
 
-// Between passes a block keeps all it has; a step begins with the force of the last one and with
-// the mode that its source says.
-TEST_F(Fixture, ModeIsKeptBetweenPassesAndForceBetweenSteps) {
+/// One row that rests in mode 0; a block that ends a step in mode 1 begins the next in 3.
+struct Tiring : Bilateral<1> {
+  static constexpr const char* name = "tiring";
+  static Mode next_mode(const Params&, const BlockVector<1>& delta, Mode mode,
+                        const BlockVector<1>&) {
+    return mode == 1 && delta[0] > 0 ? Mode(3) : mode;
+  }
+};
+
+// A block keeps force and mode, between passes and between steps.
+TEST_F(Fixture, ForceAndModeAreKept) {
   using Warm = ConstraintBuilder::Warm;
   const std::vector<const Body*> bodies{&a};
   ConstraintProblem problem;
@@ -147,7 +155,7 @@ TEST_F(Fixture, ModeIsKeptBetweenPassesAndForceBetweenSteps) {
   const auto build = [&](Warm warm) {
     builder.begin(warm);
     for (const std::uint64_t key : {3, 8})
-      builder.add<Coulomb>({key}, {.mu = 0.1}, Vec3(1e-3, 2e-3, Real(key)), Mode(0));
+      builder.add<Coulomb>({key}, {.mu = 0.1}, Vec3(1e-3, 2e-3, Real(key)), Mode(4));
     builder.finish();
   };
   build(Warm::step_before);
@@ -169,16 +177,38 @@ TEST_F(Fixture, ModeIsKeptBetweenPassesAndForceBetweenSteps) {
   // A step that is begun anew: nothing of its passes was accepted.
   build(Warm::step_before);
   EXPECT_TRUE(problem.lambda.isZero(0));
-  EXPECT_EQ(problem.blocks[1].mode, 0);
+  EXPECT_EQ(problem.blocks[1].mode, 4);
 
   problem.lambda = first;
   problem.blocks[1].mode = 2;
   builder.accept();
   problem.lambda *= 7;  // a later try leaves no trace
+  problem.blocks[1].mode = 1;
   build(Warm::step_before);
   EXPECT_EQ(problem.lambda, first);
-  EXPECT_EQ(problem.blocks[0].mode, 0);
-  EXPECT_EQ(problem.blocks[1].mode, 0);
+  EXPECT_EQ(problem.blocks[0].mode, 4);
+  EXPECT_EQ(problem.blocks[1].mode, 2);
+}
+
+// A law may say in which mode a block begins the next step; within a step it is not asked.
+TEST_F(Fixture, TheLawSaysInWhichModeTheNextStepBegins) {
+  using Warm = ConstraintBuilder::Warm;
+  ConstraintProblem problem;
+  ConstraintBuilder builder(problem, {&a});
+  const auto build = [&](Warm warm, Real gap) {
+    builder.begin(warm);
+    builder.add<Tiring>({1}, {}, BlockVector<1>(gap));
+    builder.finish();
+  };
+  for (const Real gap : {1.0, -1.0}) {
+    build(Warm::step_before, gap);
+    problem.blocks[0].mode = 1;
+    build(Warm::pass_before, gap);
+    EXPECT_EQ(problem.blocks[0].mode, 1);
+    builder.accept();
+    build(Warm::step_before, gap);
+    EXPECT_EQ(problem.blocks[0].mode, gap > 0 ? 3 : 1);
+  }
 }
 
 TEST_F(Fixture, NothingIsAllocatedOnceWarm) {

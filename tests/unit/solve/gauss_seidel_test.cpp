@@ -68,8 +68,8 @@ TEST(GaussSeidel, SolvesStitchesInAHandfulOfSweeps) {
 TEST(GaussSeidel, SolvesAThreadThatSlidesBothWaysOutOfItsPath) {
   // Pulled at both ends, the path slips forward on one side and backward on the other, and one or
   // two samples between hold what is left to balance the nearly free thread. Taking new tangents
-  // everywhere at once cycles here: as long as no sample holds, every slip has the wrong sign. Met
-  // in the first stitch, when the tail was let go.
+  // everywhere at once cycles here: if no sample is taken to hold, the computed slips point the
+  // wrong way. Met in the first stitch, when the tail was let go.
   for (const int samples : {16, 50, 100})
     for (const Real pull : {0.3, 1.0, 3.0})
       for (const Real share : {0.9, 0.99, 1.0}) {

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "chain_problems.h"
 #include "solve/gauss_seidel.h"
 #include "solve_problems.h"
 
@@ -32,16 +31,6 @@ TEST_F(ProblemFile, ReplaysToTheSameBits) {
   BlockGaussSeidel().solve(q);
   EXPECT_EQ(p.lambda, q.lambda);
   for (std::size_t i = 0; i < p.blocks.size(); ++i) EXPECT_EQ(p.blocks[i].mode, q.blocks[i].mode);
-}
-
-TEST_F(ProblemFile, OperatorsAreWrittenAsTheMatrixTheyStandFor) {
-  std::mt19937_64 random(3);
-  ChainProblem c = chain_problem<Bilateral<2>>(20, {{{2, 3}, {7, 8}, {8, 9}, {3, 15}}, {}}, random);
-  ASSERT_EQ(write_problem(c.problem, file), "");
-  ConstraintProblem q;
-  ASSERT_EQ(read_problem(file, laws, q), "");
-  EXPECT_TRUE(q.bodies.empty());
-  EXPECT_LT((q.W - c.W).norm(), 1e-12 * c.W.norm());  // as in chain_operator_test
 }
 
 TEST_F(ProblemFile, DamagedFilesAreRefused) {

@@ -39,7 +39,7 @@ TEST_F(Conjugate, StopsAtTheResidualItReports) {
   deform(testing::bend(0.06, 1.5, 0.0075));
   const VecX b = rough_vector(grid.fixed);
   for (const Real tolerance : {1e-2, 1e-5, 1e-10}) {
-    MatX x;
+    GrowingMat x;
     const PcgReport r = pcg.solve(A, grid.fixed, warped, b, x, tolerance, 100);
     EXPECT_TRUE(r.converged);
     EXPECT_LE(r.residual, tolerance);
@@ -53,7 +53,7 @@ TEST_F(Conjugate, OneIterationIfTheBodyOnlyTurned) {
   for (const Real degrees : {10.0, 90.0, 180.0, 275.0}) {
     const Eigen::AngleAxis<Real> turn(degrees * std::numbers::pi / 180, Vec3(1, 2, 3).normalized());
     deform([&](const Vec3& X) { return Vec3(turn * X + Vec3(0.1, -0.2, 0.05)); });
-    MatX x;
+    GrowingMat x;
     const PcgReport r = pcg.solve(A, grid.fixed, warped, rough_vector(grid.fixed), x, 1e-9, 100);
     EXPECT_EQ(r.iterations, 1) << degrees;
   }
@@ -61,7 +61,8 @@ TEST_F(Conjugate, OneIterationIfTheBodyOnlyTurned) {
 
 TEST_F(Conjugate, ManyColumnsGiveWhatEachGivesAlone) {
   deform(testing::twist(0.06, 1, Vec3(0, 0.0075, 0.0075)));
-  MatX b(A.nodes() * 3, 4), together, alone;
+  MatX b(A.nodes() * 3, 4);
+  GrowingMat together, alone;
   for (Index c = 0; c < 3; ++c) b.col(c) = rough_vector(grid.fixed, 7 + unsigned(c));
   b.col(3).setZero();
   pcg.solve(A, grid.fixed, warped, b, together, 1e-8, 100);
@@ -77,7 +78,7 @@ TEST_F(Conjugate, ManyColumnsGiveWhatEachGivesAlone) {
 TEST_F(Conjugate, AGoodStartSavesIterations) {
   deform(testing::bend(0.06, 1, 0.0075));
   const VecX b = rough_vector(grid.fixed);
-  MatX x;
+  GrowingMat x;
   const Index cold = pcg.solve(A, grid.fixed, warped, b, x, 1e-8, 100).iterations;
   const PcgReport again = pcg.solve(A, grid.fixed, warped, b, x, 1e-7, 100, true);
   EXPECT_GT(cold, 0);
@@ -89,7 +90,7 @@ TEST_F(Conjugate, RecentSolutionsSpanTheStart) {
   deform(testing::bend(0.06, 1, 0.0075));
   const VecX b1 = rough_vector(grid.fixed, 1), b2 = rough_vector(grid.fixed, 2);
   RecentSolutions recent;
-  MatX x, start;
+  GrowingMat x, start;
   EXPECT_FALSE(recent.start(A, grid.fixed, b1, start));
   for (const VecX* b : {&b1, &b2}) {
     pcg.solve(A, grid.fixed, warped, *b, x, 1e-10, 100);
@@ -113,7 +114,7 @@ TEST_F(Conjugate, RecentSolutionsSpanTheStart) {
 TEST_F(Conjugate, IgnoresWhatFixedNodesAreAsked) {
   deform(testing::bend(0.06, 1, 0.0075));
   VecX b = rough_vector(grid.fixed);
-  MatX x, y;
+  GrowingMat x, y;
   pcg.solve(A, grid.fixed, warped, b, x, 1e-8, 100);
   b.segment<3>(0).setConstant(1e6);  // node 0 is fixed
   pcg.solve(A, grid.fixed, warped, b, y, 1e-8, 100);
@@ -126,7 +127,7 @@ TEST_F(Conjugate, BlockJacobiNeedsNoFactor) {
   BlockJacobi jacobi;
   jacobi.compute(A, grid.fixed);
   const VecX b = rough_vector(grid.fixed);
-  MatX x, y;
+  GrowingMat x, y;
   const PcgReport slow = pcg.solve(A, grid.fixed, jacobi, b, x, 1e-10, 2000);
   const PcgReport fast = pcg.solve(A, grid.fixed, warped, b, y, 1e-10, 100);
   EXPECT_TRUE(slow.converged && fast.converged);
@@ -138,7 +139,7 @@ TEST_F(Conjugate, BlockJacobiNeedsNoFactor) {
 TEST_F(Conjugate, ReportsWhatItCannotDo) {
   deform([](const Vec3& X) { return X; });
   const VecX b = rough_vector(grid.fixed);
-  MatX x;
+  GrowingMat x;
   BlockJacobi jacobi;
   jacobi.compute(A, grid.fixed);
   const PcgReport few = pcg.solve(A, grid.fixed, jacobi, b, x, 1e-10, 3);

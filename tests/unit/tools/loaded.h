@@ -4,32 +4,18 @@
 #include <gtest/gtest.h>
 
 #include "grasper.h"
+#include "text_world.h"
 #include "track.h"
 #include "unit/tools/fake_curve.h"
 
 namespace sutura::tools {
 
-struct Loaded {
-  Diagnostics diagnostics;
-  Registry registry;
-  std::unique_ptr<Simulation> simulation;
-
+struct Loaded : test::TextWorld {
   explicit Loaded(const std::string& elements, const std::filesystem::path& folder = ".") {
     registry.component<Track>("Track");
     registry.component<Grasper>("Grasper");
     registry.component<fake::Curve>("Curve");
-    auto scene = load_scene_text("<sutura version=\"1\" dt=\"0.1 s\">" + elements + "</sutura>",
-                                 "test.xml", folder, registry, diagnostics);
-    if (scene) simulation = Simulation::compile(std::move(scene), ".", diagnostics);
-  }
-  std::string messages() const {
-    std::string out;
-    for (const Diagnostic& d : diagnostics.all()) out += d.text() + "\n";
-    return out;
-  }
-  template <class T>
-  T& get(const char* path) const {
-    return dynamic_cast<T&>(*simulation->find(path));
+    load("dt='0.1 s'", elements, folder);
   }
   template <class V>
   V output(const char* path, const std::string& name) const {
