@@ -116,12 +116,12 @@ class Rod {
   /// (element.h).
   enum class Tangent { exact, convex };
   void assemble(Tangent tangent);
-  /// Of which the end of the step is a minimum, under the force that `linearise` was given (J).
+  /// Of which, less the work of constraints and loads, the end of the step is a minimum (J).
   Real potential() const;
-  /// Its derivative by the velocity at the guess, with the sign changed: what momentum is missing
-  /// (N s, N m s; 6 per node). Short of the turn of a section in the step, which is taken for
-  /// small.
-  VecX missing() const { return missing_ + dt_ * force_; }
+  /// Its derivative by the velocity at the guess, with the sign changed, and the loads: what
+  /// momentum is missing (N s, N m s; 6 per node). Short of the turn of a section in the step,
+  /// which is taken for small.
+  const DofVector& missing() const { return missing_; }
   /// Another guess of the velocity at the end of the step (m/s, rad/s; 6 per node).
   void guess(const VecX& velocity);
   bool factor();
@@ -157,7 +157,7 @@ class Rod {
   void take_guess(bool inertia);
   void keep_lengths();
   void take_velocity();
-  Real slope() const;
+  Real work_of_outer_forces() const;
   void evaluate_guess();
   bool buckles();
   void add_beam_balance(Index e);
@@ -199,6 +199,7 @@ class Rod {
   DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
   std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
   DofVector change_, answer_, force_;  ///< force_: of constraints, on the guess (N, N m)
+  bool stuck_ = false;                 ///< the pass before was cut to less than a tenth
   Real last_turn_ = 0;                 ///< that the pass before asked of a beam (rad)
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;

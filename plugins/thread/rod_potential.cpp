@@ -8,11 +8,10 @@
 
 namespace sutura::thread {
 
-/// Forces of constraints and loads held as they are: elastic energy and weight, springs, what
-/// damping takes, and half the squared change of velocity in the norm of the mass.
+/// Elastic energy and weight, springs, what damping takes, and half the squared change of velocity
+/// in the norm of the mass.
 Real Rod::potential() const {
-  Real sum = -dt_ * force_.dot(velocity_);
-  if (load_.size() == force_.size()) sum -= dt_ * load_.dot(velocity_);
+  Real sum = 0;
   for (Index e = 0; e < beams(); ++e) {
     const ElementState& s = states_[e];
     const ElementVelocity v(velocity_, e), old(start_velocity_, e);
@@ -65,11 +64,13 @@ bool Rod::leave_saddle() {
   matrix_.negative_direction(elements_[0].length, answer_);
   const Real downhill = missing_.dot(answer_) < 0 ? -1 : 1;
   answer_ *= downhill * 1e-3 / (largest_turn(pose_, answer_) * dt_);  // by a milliradian first
+  change_ = answer_;
+  const Real work = work_of_outer_forces();
   Real lowest = potential();
   for (Real part = 1; part < 1e3 * turn_limit; part *= 2) {
     velocity_ += part * answer_;
     take_velocity();
-    const Real now = potential();
+    const Real now = potential() - (2 * part - 1) * work;
     if (now < lowest) {
       lowest = now;
       continue;

@@ -21,6 +21,7 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
     in_step_ = true;
   }
   last_turn_ = std::numeric_limits<Real>::infinity();
+  stuck_ = false;
   take_guess(false);
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
   // Going on as before is the better guess, unless it turns beams too far for anything to be
@@ -182,7 +183,8 @@ void Rod::assemble(Tangent tangent) {
     const ElementMass& m = masses_[e];
     ElementState& s = states_[e];
     const Real tension = s.tension;
-    s.tension = tension_[e];
+    // Stretch that a turn faked is not to stiffen the beam, unless passes without it get nowhere.
+    s.tension = stuck_ && tangent == Tangent::convex ? std::max(tension_[e], tension) : tension_[e];
     if (tangent == Tangent::convex || damping_stiffness > 0) step_stiffness(elements_[e], s, k);
     if (tangent == Tangent::exact) {
       const ElementMatrix convex = k;
@@ -302,23 +304,27 @@ void Rod::correct(const Dofs& force_change) {
     turned = as_change_of_spin(dt_ * velocity_.segment<3>(6 * i + 3), turned);
   }
   // Passes may lift the potential on their best way, as long as they contract: a turn fakes
-  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken: what
-  // is missing must not point back by more than it pointed ahead.
+  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
   const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
-  const Real ahead = contracts ? 0 : slope();
+  const Real before = contracts ? 0 : potential();
+  const Real work = work_of_outer_forces();
   velocity_ += part / dt_ * answer_;
   take_velocity();
-  for (int cut = 0; cut < 12 && !contracts && !(slope() >= -ahead); ++cut, part /= 2) {
+  for (int cut = 0; cut < 12 && !contracts && !(potential() - part * work <= before);
+       ++cut, part /= 2) {
     velocity_ -= part / (2 * dt_) * answer_;
     take_velocity();
   }
+  stuck_ = !contracts && part < 0.1;
   last_turn_ = turn;
 }
 
-/// How fast the potential falls along the change of this pass (J). Forces of constraints have no
-/// potential where sections turn; they have this.
-Real Rod::slope() const {
-  return change_.dot(missing_) + dt_ * change_.dot(force_);
+/// Of constraints and loads over the change of this pass (J). Their moments turn sections further,
+/// which is no change of a rotation vector: so they have no potential.
+Real Rod::work_of_outer_forces() const {
+  Real work = dt_ * force_.dot(change_);
+  if (load_.size() == change_.size()) work += dt_ * load_.dot(change_);
+  return work;
 }
 
 void Rod::guess(const VecX& velocity) {

@@ -54,9 +54,17 @@ Trace trace(WatchedRun& run, const View& view, Index steps) {
   return out;
 }
 
+/// Steps are solved until little is left (tight), so that where they stop does not count.
+LoadOptions tight(Real unit = 1) {
+  return {.plugin_directories = {},
+          .overrides = {{".tolerance", "1e-6"},
+                        {".gap_tolerance", format_real(1e-10 * unit) + " m"},
+                        {".passes", "40"}}};
+}
+
 Trace trace(const RandomScene& scene, const View& view) {
   const house::TemporaryFolder folder("invariance_" + std::to_string(scene.seed));
-  WatchedRun run(scene.write(folder.path(), view), {}, true);
+  WatchedRun run(scene.write(folder.path(), view), tight(view.unit), true);
   if (!run) return {};
   run.solver().tolerance = 1e-9;  // where the solver stops is not what is asked here
   return trace(run, view, scene.steps);
@@ -89,8 +97,7 @@ Real worst(const Difference& d) {
   return *std::max_element(d.position.begin(), d.position.end());
 }
 
-/// A step ends once its residual is below the tolerance, in whichever pass that is: results agree
-/// to the gap tolerance of a step (1e-6 m), or to `nudged`: what rounding alone does to this scene.
+/// Results agree to what rounding alone does to this scene: `nudged`.
 /// A turn rounds every coordinate of every node, a nudge some: 1000 times is the factor allowed
 /// between them (measured: 25 at most), where a dependence on an axis would show at once with the
 /// size of a step, 1e-5 m and more.
@@ -226,7 +233,7 @@ class TurnedStitch {
     const std::size_t recorders = text.find("<VtuRecorder"), end = text.find("</sutura>");
     text.replace(recorders, end - recorders, "<WatchedSolver/>\n");
     std::ofstream(folder_ / "stitch.xml") << text;
-    WatchedRun run(folder_ / "stitch.xml", {}, true);
+    WatchedRun run(folder_ / "stitch.xml", tight(view.unit), true);
     run.solver().tolerance = 1e-9;
     return trace(run, view, steps);
   }

@@ -21,8 +21,7 @@ Table run(const std::string& scene, const std::string& csv) {
   return read_csv((folder.path() / csv).string());
 }
 
-// Not green since the step is solved in passes: not yet looked into, disabled.
-TEST(TwoThreads, DISABLED_EachIsHeldByTheFrictionOfItsOwnMaterial) {
+TEST(TwoThreads, EachIsHeldByTheFrictionOfItsOwnMaterial) {
   const Table t = run("two_threads", "threads.csv");
   const double skin = 100e3, fat = 20e3, nu = 0.45, diameter = 0.175e-3;
   // The needle goes round on a circle of 26 mm / pi about a point 5 mm above the pad, whose skin is
@@ -60,9 +59,9 @@ TEST(TwoThreads, DISABLED_EachIsHeldByTheFrictionOfItsOwnMaterial) {
     EXPECT_NEAR(expected_sum / slides, 1, 0.08) << side;
   }
   // Same pad, same bite: twice the friction coefficient, twice the force. The two channels need not
-  // have the same share of skin: 5 %.
+  // have the same share of skin: half a millimetre more in one and less in the other is 8 %.
   EXPECT_NEAR(t.number(380, "right/friction.limit [N]") / t.number(380, "left/friction.limit [N]"),
-              2, 0.1);
+              2, 0.16);
 }
 
 /// Row of the scene's 10 ms steps.

@@ -132,14 +132,11 @@ TEST(RodStep, TheMissingMomentumIsTheSlopeOfThePotential) {
   Rod rod = thrown(0.1);
   for (int i = 0; i < 5; ++i) rod.advance(dt, gravity, VecX::Zero(rod.dofs()), balanced);
   rod.damping_stiffness = 1e-3;
-  VecX force = VecX::Zero(rod.dofs());
-  force.segment<3>(6 * 12) = Vec3(0, 2e-5, -1e-5);
-  force.segment<3>(6 * 30 + 3) = Vec3(1e-8, 0, 2e-8);
   // Slow, so that sections turn by 1e-4 in the step: so far is the derivative by a rotation vector
   // from that by a turn of the section.
   rod.velocity() *= 0.01;
   rod.begin_step(dt, Vec3::Zero());
-  ASSERT_TRUE(rod.linearise(force));
+  ASSERT_TRUE(rod.linearise(VecX::Zero(rod.dofs())));
   const VecX missing = rod.missing(), v = rod.velocity();
   for (Index node = 0; node < rod.nodes(); node += 4) {
     Vec6 slope = Vec6::Zero();

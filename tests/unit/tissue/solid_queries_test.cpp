@@ -95,8 +95,8 @@ TEST(SolidQueries, SignedDistanceToACube) {
   EXPECT_FALSE(s.queries->closest_surface(Vec3(0.5, 0.5, 2), 0.9));
 }
 
-// Two cubes that touch, as the lips of a closed wound do: whoever says which side it means gets that
-// one, although the other is as near.
+// Two cubes that touch, as the lips of a closed wound do: whoever says which side it means gets
+// that one, although the other is as near.
 TEST(SolidQueries, EachSideOfAClosedSlitIsFoundByItsNormal) {
   MeshData lips = cube();
   const MeshData other = cube();
