@@ -14,6 +14,24 @@ constexpr Real bearable = 0.3;  // mean pressure on the disc, in units of E
 constexpr Real widest = 10;     // disc, in units of the radius of the shaft
 constexpr Real deepest = 3;     // dent of the near field, of the disc: linear theory says no more
 
+/// A direction along the surface that belongs to the mesh and not to the axes of the world: the
+/// edge of the tetrahedron under it that lies flattest.
+Vec3 along_surface(const SolidBody& tissue, const SurfacePoint& surface) {
+  const auto corner = [&](std::size_t k) {
+    EmbeddedPoint p{.element = surface.at.element};
+    p.weights = {0, 0, 0, 0};
+    p.weights[k] = 1;
+    return tissue.position(p, Configuration::start);
+  };
+  Vec3 flattest = Vec3::Zero();
+  for (std::size_t k = 1; k < 4; ++k) {
+    const Vec3 edge = (corner(k) - corner(0)).normalized();
+    const Vec3 flat = edge - edge.dot(surface.normal) * surface.normal;
+    if (flat.squaredNorm() > flattest.squaredNorm()) flattest = flat;
+  }
+  return flattest.isZero(0) ? surface.normal.unitOrthogonal() : flattest.normalized();
+}
+
 }  // namespace
 
 void Footprint::archive(Archive& a) {
@@ -42,7 +60,7 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real 
 
   // Points of equal area on the disc (a sunflower), each taken to the surface.
   points_.clear();
-  const Vec3 u = surface.normal.unitOrthogonal(), v = surface.normal.cross(u);
+  const Vec3 u = along_surface(tissue, surface), v = surface.normal.cross(u);
   const Real golden = pi * (3 - std::sqrt(Real(5)));
   for (int k = 0; k < most_points; ++k) {
     const Real r = disc * std::sqrt((k + 0.5) / most_points), angle = golden * k;
