@@ -1,0 +1,85 @@
+// Threads that hands move, at any step: no more strain than the tension explains, and every step
+// solved. Once a grip's motion was taken for energy to be spent, and a braid stretched by 67 %.
+#include <cmath>
+
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+std::string settings(Real dt) {
+  return "dt=\"" + std::to_string(1e3 * dt) + " ms\" gravity=\"0 0 -9.81\"";
+}
+
+struct Extremes {
+  Real strain = 0, jaws = 0;
+  int missed = 0, least_parts = 1;
+};
+
+Extremes extremes(TextRun& run, Real dt, Real duration) {
+  Extremes e;
+  for (int i = 0; i < std::lround(duration / dt); ++i) {
+    e.missed += !run.simulation().step().solved;
+    e.strain = std::max(e.strain, run.number("/suture", "largest_strain"));
+    e.jaws = std::max(e.jaws, run.vector("/a", "force").norm());
+  }
+  return e;
+}
+
+class MovingHands : public ::testing::TestWithParam<Real> {};
+
+// 300 mm of 4-0 held at both ends and swung to and fro at 1 m/s. It weighs 7 mg: its tension is of
+// the order of 1 mN, against EA = 36 N. The bound is that of the first step at 1 ms, in which a
+// hand comes 0.2 mm nearer and inertia still holds the thread straight.
+TEST_P(MovingHands, SwingAThread) {
+  TextRun run(
+      "<SutureThread name=\"suture\" needle_length=\"0\" tip=\"0 0 0\" tip_direction=\"-1 0 0\" "
+      "thread_length=\"300 mm\" thread_beams=\"100\"/>"
+      "<Track name=\"left\" times=\"0 0.5 0.7 0.9 s\" positions=\"0 0 0 0 0 0 0 200 0 0 0 0 mm\"/>"
+      "<Track name=\"right\" times=\"0 0.5 0.7 0.9 s\" "
+      "positions=\"0 0 0 -100 0 0 -100 200 0 -100 0 0 mm\"/>"
+      "<Grasper name=\"a\" at=\"0\" track=\"left\"/>"
+      "<Grasper name=\"b\" at=\"300 mm\" track=\"right\"/>",
+      settings(GetParam()));
+  ASSERT_TRUE(run) << run.said();
+  const Extremes e = extremes(run, GetParam(), 1.2);
+  EXPECT_EQ(e.missed, 0);
+  EXPECT_LT(e.strain, 1e-3);
+}
+
+// A hand takes the end of a soft braid 50 mm aside at 0.17 m/s. Braid and needle weigh 0.1 g: the
+// jaws bear their weight and what starts them, 0.17 m/s in one step.
+TEST_P(MovingHands, CarryASoftBraid) {
+  TextRun run(
+      "<SutureThread name=\"suture\" bending_factor=\"0.05\"/>"
+      "<Track name=\"t\" times=\"0 0.3 s\" positions=\"0 0 0 0 50 0 mm\"/>"
+      "<Grasper name=\"a\" at=\"10 mm\" track=\"t\"/>",
+      settings(GetParam()));
+  ASSERT_TRUE(run) << run.said();
+  const Extremes e = extremes(run, GetParam(), 0.5);
+  EXPECT_EQ(e.missed, 0);
+  EXPECT_LT(e.strain, 1e-4);
+  EXPECT_LT(e.jaws, 2e-4 * (9.81 + 0.17 / GetParam()));
+}
+
+// A straight thread pushed together by 2 mm is balanced under 0.24 N, and buckles. The arch that it
+// becomes bears Euler's load, 4 pi^2 EI / L^2 = 30 uN: a strain of 1e-6.
+TEST_P(MovingHands, PushAStraightThreadTogether) {
+  TextRun run(
+      "<SutureThread name=\"suture\" needle_length=\"0\" tip=\"0 0 0\" tip_direction=\"-1 0 0\" "
+      "thread_length=\"300 mm\" thread_beams=\"100\"/>"
+      "<Track name=\"t\" times=\"0 0.1 s\" positions=\"0 0 0 -2 0 0 mm\"/>"
+      "<Track name=\"still\" times=\"0 s\" positions=\"0 0 0 mm\"/>"
+      "<Grasper name=\"a\" at=\"0\" track=\"still\"/>"
+      "<Grasper name=\"b\" at=\"300 mm\" track=\"t\"/>",
+      "dt=\"" + std::to_string(1e3 * GetParam()) + " ms\"");
+  ASSERT_TRUE(run) << run.said();
+  const Extremes e = extremes(run, GetParam(), 0.3);
+  EXPECT_EQ(e.missed, 0);
+  EXPECT_LT(run.number("/suture", "largest_strain"), 1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, MovingHands, ::testing::Values(1e-3, 2.5e-3, 5e-3, 10e-3, 20e-3));
+
+}  // namespace
+}  // namespace sutura::testing
