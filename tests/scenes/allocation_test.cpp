@@ -37,7 +37,8 @@ TEST_P(Allocations, NoneInTheSecondRun) {
     if (i < begin || run.output(tissue, "analyses") != analyses || !report.messages.empty() ||
         !report.faults.empty())
       continue;
-    EXPECT_EQ(here, 0) << "step " << i << ", " << report.rows << " rows";
+    EXPECT_EQ(here, 0) << "step " << i << ", " << report.rows << " rows, " << report.parts
+                       << " parts, " << report.passes << " passes";
     ++counted;
   }
   EXPECT_GT(counted, 80);
