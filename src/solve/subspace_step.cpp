@@ -231,8 +231,8 @@ bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& comp
   const SmallVector l = lambda.segment(b.first_row, dim);
   // Coordinates of l on the tangent, and the smallest delta that the tangent then asks for.
   const Small moves = move.transpose() * move, tests = test.transpose() * test;
-  const SmallVector y =
-      moves.ldlt().solve(move.transpose() * (l - base_.segment(b.first_row, dim)));
+  const SmallVector off = l - base_.segment(b.first_row, dim), along = move.transpose() * off;
+  const SmallVector y = moves.ldlt().solve(along);
   SmallVector asked(f);
   for (int i = 0; i < f; ++i) {
     asked[i] = -free.gap[i];
