@@ -22,6 +22,12 @@ Quat rotated(const Quat& q, const Vec3& spin) {
   return (Quat(c, v.x(), v.y(), v.z()) * q).normalized();
 }
 
+Quat turned(const Quat& q, const Vec3& turn) {
+  const Vec3 along = q * Vec3::UnitX();
+  const Real roll = turn.dot(along);
+  return rotated(rotated(q, roll * along), turn - roll * along);
+}
+
 Vec3 rotation_between(const Quat& from, const Quat& to) {
   Quat d = to * from.conjugate();
   if (d.w() < 0) d.coeffs() = -d.coeffs();
@@ -48,9 +54,11 @@ void Rod::build(const RodLayout& layout) {
   start_twist_ = tension_ = twist_;
   at_work_.assign(n, 0);
   start_rate_.assign(n, Vec3::Zero());
+  lever_ = start_rate_;
   states_.resize(n - 1);
   in_step_ = false;
-  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_, &force_})
+  for (auto* v :
+       {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_, &force_})
     v->clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -66,8 +74,10 @@ void Rod::reserve(Index beams) {
   for (auto* poses : {&rest_, &pose_, &start_}) poses->reserve(n);
   for (auto* reals : {&twist_, &start_twist_, &tension_, &at_work_}) reals->reserve(n);
   start_rate_.reserve(n);
+  lever_.reserve(n);
   states_.reserve(n);
-  for (auto* v : {&velocity_, &load_, &start_velocity_, &missing_, &change_, &answer_, &force_})
+  for (auto* v :
+       {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_, &force_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);
@@ -88,16 +98,16 @@ void Rod::element_state(Index e, ElementState& s) const {
   evaluate(elements_[e], pose_[e], pose_[e + 1], twist_[e], s);
 }
 
-void Rod::move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& v,
-               Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const {
+void Rod::move(const std::vector<Pose>& from, const std::vector<Real>& twist_from,
+               const Dofs& motion, std::vector<Pose>& to, std::vector<Real>& twist_to) const {
   for (Index e = 0; e < beams(); ++e) {
     const Vec3 span = from[e + 1].position - from[e].position;
-    const Vec3 spin = v.segment<3>(6 * e + 9) - v.segment<3>(6 * e + 3);
-    twist_to[e] = twist_from[e] + dt * span.dot(spin) / span.norm();
+    const Vec3 spin = motion.segment<3>(6 * e + 9) - motion.segment<3>(6 * e + 3);
+    twist_to[e] = twist_from[e] + span.dot(spin) / span.norm();
   }
   for (Index i = 0; i < nodes(); ++i) {
-    to[i].position = from[i].position + dt * v.segment<3>(6 * i);
-    to[i].rotation = rotated(from[i].rotation, dt * v.segment<3>(6 * i + 3));
+    to[i].position = from[i].position + motion.segment<3>(6 * i);
+    to[i].rotation = turned(from[i].rotation, motion.segment<3>(6 * i + 3));
   }
 }
 

@@ -116,15 +116,18 @@ class Rod {
   /// (element.h).
   enum class Tangent { exact, convex };
   void assemble(Tangent tangent);
-  /// Of which, less the work of constraints and loads, the end of the step is a minimum (J).
-  Real potential() const;
-  /// Its derivative by the velocity at the guess, with the sign changed, and the loads: what
-  /// momentum is missing (N s, N m s; 6 per node). Short of the turn of a section in the step,
-  /// which is taken for small.
-  const DofVector& missing() const { return missing_; }
-  /// Another guess of the velocity at the end of the step (m/s, rad/s; 6 per node).
-  void guess(const VecX& velocity);
+  /// Factors what `assemble` made; false if that is not positive definite.
   bool factor();
+  /// The incremental potential at the guess (J): the step ends at its minimum.
+  Real potential() const;
+  /// The momentum missing at the guess without constraints (N s, N m s; 6 per node): dt times the
+  /// derivative of the potential by the motion, with the sign changed.
+  const DofVector& missing() const { return missing_; }
+  /// From the start of the step to the guess: shift and turn of every node (see `turned`; m, rad; 6
+  /// per node).
+  const DofVector& motion() const { return motion_; }
+  /// Another guess.
+  void guess(const VecX& motion);
 
   struct StaticReport {
     bool converged = false;
@@ -156,16 +159,17 @@ class Rod {
  private:
   void take_guess(bool inertia);
   void keep_lengths();
-  void take_velocity();
-  Real work_of_outer_forces() const;
+  void take_motion();
+  void add_turning_moments();
+  Vec3 lever(Index node) const;
   void evaluate_guess();
   bool buckles();
   void add_beam_balance(Index e);
   ElementGradient damping(Index e, const ElementVelocity& v) const;
   void add_spring_balance();
   Wrench spring_wrench(const NodeSpring& spring) const;
-  void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& v,
-            Real dt, std::vector<Pose>& to, std::vector<Real>& twist_to) const;
+  void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& motion,
+            std::vector<Pose>& to, std::vector<Real>& twist_to) const;
   StaticReport solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
                             int max_iterations);
   /// Largest turn of a chord or tangent in the step (rad).
@@ -193,13 +197,15 @@ class Rod {
   std::vector<Pose> start_;
   std::vector<Real> start_twist_;
   DofVector start_velocity_;
+  DofVector motion_;
   std::vector<Vec3> start_rate_;      ///< of the tangents, 1/s
   std::vector<ElementState> states_;  ///< per beam
   std::vector<Real> tension_;         ///< that the last pass predicted, N
   DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
   std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
   DofVector change_, answer_, force_;  ///< force_: of constraints, on the guess (N, N m)
-  bool stuck_ = false;                 ///< the pass before was cut to less than a tenth
+  std::vector<Vec3> lever_;            ///< per node, under the forces of the last pass (N m)
+  bool stuck_ = false;                 ///< less than a tenth of the last pass could be taken
   Real last_turn_ = 0;                 ///< that the pass before asked of a beam (rad)
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
@@ -209,6 +215,13 @@ class Rod {
 
 /// exp(spin) applied to q.
 Quat rotated(const Quat& q, const Vec3& spin);
+/// A section that first rolls about its tangent (x axis) by the part of `turn` along it, then tilts
+/// by the part across it (rad). Unlike a rotation vector, roll and tilt do not mix, whatever the
+/// number of turns that the section rolls.
+Quat turned(const Quat& q, const Vec3& turn);
+inline Vec3 tangent(const Pose& section) {
+  return section.rotation * Vec3::UnitX();
+}
 /// The rotation vector (norm at most pi) that takes `from` to `to`, in world axes.
 Vec3 rotation_between(const Quat& from, const Quat& to);
 

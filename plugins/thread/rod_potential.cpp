@@ -1,5 +1,5 @@
-// The potential of a rod's step, of which the end of the step is a minimum: its value, and what to
-// do where the guess is balanced at a saddle.
+// The potential of a rod's step (incremental potential of implicit Euler): a step ends where it has
+// a minimum. Its value, and what to do where a guess is balanced but at a saddle.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,8 +8,8 @@
 
 namespace sutura::thread {
 
-/// Elastic energy and weight, springs, what damping takes, and half the squared change of velocity
-/// in the norm of the mass.
+/// Elastic energy and weight, springs, what damping takes, half the squared change of velocity in
+/// the norm of the mass, less the work of loads and of the constraints of the last pass.
 Real Rod::potential() const {
   Real sum = 0;
   for (Index e = 0; e < beams(); ++e) {
@@ -37,6 +37,10 @@ Real Rod::potential() const {
     if (spring.stiffness.rotation > 0)
       sum += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);
   }
+  sum -= load_.dot(motion_);
+  for (Index i = 0; i < nodes(); ++i)
+    sum -= force_.segment<3>(6 * i).dot(motion_.segment<3>(6 * i)) +
+           lever_[i].dot(tangent(pose_[i]) - tangent(start_[i]));
   return sum;
 }
 
@@ -62,21 +66,21 @@ bool Rod::buckles() {
 bool Rod::leave_saddle() {
   if (!force_.isZero(0) || !buckles()) return false;
   matrix_.negative_direction(elements_[0].length, answer_);
+  const Real turn = largest_turn(pose_, answer_);
+  if (!(turn > 0)) return false;
   const Real downhill = missing_.dot(answer_) < 0 ? -1 : 1;
-  answer_ *= downhill * 1e-3 / (largest_turn(pose_, answer_) * dt_);  // by a milliradian first
-  change_ = answer_;
-  const Real work = work_of_outer_forces();
+  answer_ *= downhill * 1e-3 / turn;  // by a milliradian first
   Real lowest = potential();
   for (Real part = 1; part < 1e3 * turn_limit; part *= 2) {
-    velocity_ += part * answer_;
-    take_velocity();
-    const Real now = potential() - (2 * part - 1) * work;
+    motion_ += part * answer_;
+    take_motion();
+    const Real now = potential();
     if (now < lowest) {
       lowest = now;
       continue;
     }
-    velocity_ -= part * answer_;
-    take_velocity();
+    motion_ -= part * answer_;
+    take_motion();
     if (part == 1) return false;
     break;
   }

@@ -147,7 +147,8 @@ Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real 
                                        .finished());
       tension[e] += factor * (predicted - tension[e]);
     }
-    move(pose_, twist_, step, factor, pose_, twist_);
+    step *= factor;
+    move(pose_, twist_, step, pose_, twist_);
   }
   return report;
 }

@@ -16,8 +16,7 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
     start_twist_ = twist_;
     start_velocity_ = velocity_;
     for (Index i = 0; i < nodes(); ++i)
-      start_rate_[i] =
-          Vec3(velocity_.segment<3>(6 * i + 3)).cross(pose_[i].rotation * Vec3::UnitX());
+      start_rate_[i] = Vec3(velocity_.segment<3>(6 * i + 3)).cross(tangent(pose_[i]));
     in_step_ = true;
   }
   last_turn_ = std::numeric_limits<Real>::infinity();
@@ -32,25 +31,25 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
 
 /// The guess: no motion at all, or that of the step before; a rod that nothing holds also falls.
 void Rod::take_guess(bool inertia) {
-  velocity_.setZero();
+  motion_.setZero();
   if (inertia) {
-    velocity_ = start_velocity_;
+    motion_ = dt_ * start_velocity_;
     const bool held =
         pushed_ || !clamped_.empty() ||
         std::any_of(springs_.begin(), springs_.end(), [](const NodeSpring& s) { return s.active; });
-    for (Index i = 0; i < nodes() && !held; ++i) velocity_.segment<3>(6 * i) += dt_ * gravity_;
+    for (Index i = 0; i < nodes() && !held; ++i) motion_.segment<3>(6 * i) += dt_ * dt_ * gravity_;
     keep_lengths();
   }
-  take_velocity();
+  take_motion();
 }
 
 /// Straight on, nodes of a turning beam drift apart: by theta^2/2 of its length, times EA. So the
 /// guess turns the beams as the velocities say and joins them again, where they are held or else
 /// where they are on the whole.
 void Rod::keep_lengths() {
-  Vec3 end = start_[0].position + dt_ * velocity_.segment<3>(0);  // of the beams joined so far
-  Vec3 rate = velocity_.segment<3>(0);
-  Vec3 drift = Vec3::Zero();  // sum over the nodes
+  Vec3 moved = motion_.segment<3>(0);
+  Vec3 end = start_[0].position + moved;  // of the beams joined so far
+  Vec3 drift = Vec3::Zero();              // sum over the nodes
   Index anchor = -1;
   for (const NodeSpring& s : springs_)
     if (s.active && anchor < 0) anchor = s.node;
@@ -58,19 +57,19 @@ void Rod::keep_lengths() {
   Vec3 at_anchor = Vec3::Zero();
   for (Index e = 0; e < beams(); ++e) {
     const Vec3 chord = start_[e + 1].position - start_[e].position;
-    const Vec3 next = velocity_.segment<3>(6 * e + 6), change = next - rate;
+    const Vec3 next = motion_.segment<3>(6 * e + 6), change = next - moved;
     const Real squared = chord.squaredNorm();
-    const Vec3 turn = dt_ / squared * chord.cross(change);
-    const Real stretch = 1 + dt_ / squared * chord.dot(change);
+    const Vec3 turn = chord.cross(change) / squared;
+    const Real stretch = 1 + chord.dot(change) / squared;
     end += stretch * (rotated(Quat::Identity(), turn) * chord);
-    rate = next;
-    const Vec3 off = end - start_[e + 1].position - dt_ * next;
+    moved = next;
+    const Vec3 off = end - start_[e + 1].position - next;
     drift += off;
     if (e + 1 == anchor) at_anchor = off;
-    velocity_.segment<3>(6 * e + 6) += off / dt_;
+    motion_.segment<3>(6 * e + 6) += off;
   }
-  const Vec3 back = (anchor < 0 ? Vec3(drift / static_cast<Real>(nodes())) : at_anchor) / dt_;
-  for (Index i = 0; i < nodes(); ++i) velocity_.segment<3>(6 * i) -= back;
+  const Vec3 back = anchor < 0 ? Vec3(drift / static_cast<Real>(nodes())) : at_anchor;
+  for (Index i = 0; i < nodes(); ++i) motion_.segment<3>(6 * i) -= back;
 }
 
 /// states_, missing_ and at_work_ at the guess.
@@ -229,6 +228,7 @@ void Rod::assemble(Tangent tangent) {
         plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
                       so * s.ta.dot(s.tb) + ro);
   }
+  if (tangent == Tangent::exact) add_turning_moments();
   for (const NodeSpring& spring : springs_) {
     if (!spring.active) continue;
     auto diagonal = matrix_.diagonal(spring.node).diagonal().array();
@@ -237,6 +237,22 @@ void Rod::assemble(Tangent tangent) {
   }
   for (const Index node : clamped_)
     for (int d = 0; d < 6; ++d) matrix_.fix(node, d);
+}
+
+/// A constraint force beside a node has a moment there, t x lever, that turns with the tangent t.
+void Rod::add_turning_moments() {
+  for (Index i = 0; i < nodes(); ++i) {
+    const Vec3 t = tangent(pose_[i]);
+    const Mat3 product = t * lever(i).transpose();
+    matrix_.diagonal(i).bottomRightCorner<3, 3>() -=
+        dt_ * dt_ / 2 * (product + product.transpose());
+  }
+}
+
+/// Force of constraints times its distance from the node, as far as its moment tells: across the
+/// tangent (N m).
+Vec3 Rod::lever(Index node) const {
+  return Vec3(force_.segment<3>(6 * node + 3)).cross(tangent(pose_[node]));
 }
 
 // Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about
@@ -278,19 +294,23 @@ void Rod::predict_tension(const Dofs& step, Real part) {
 
 namespace {
 
-/// The change of a rotation vector by which the section that it has turned turns a little further.
-/// Rotations do not add: this is the inverse of the derivative of the exponential map, to third
-/// order in the vector.
-Vec3 as_change_of_spin(const Vec3& turned, const Vec3& further) {
-  if (turned.squaredNorm() > 1) return further;
-  const Vec3 across = turned.cross(further);
-  return further - across / 2 + turned.cross(across) / 12;
+/// The change of a section's turn (sutura::thread::turned) by which it spins a little further: the
+/// inverse of the derivative of its rotation. `from`, `to`: its tangents at the start and now.
+Vec3 as_change_of_turn(const Vec3& turn, const Vec3& from, const Vec3& to, const Vec3& spin) {
+  const Vec3 tilt = turn - turn.dot(from) * from;
+  const Real angle = tilt.norm();
+  if (angle < 1e-9) return spin;
+  const Vec3 axis = tilt / angle, across = axis.cross(to);
+  const Real aside = spin.dot(across);
+  return spin.dot(axis) * axis + angle / std::sin(angle) * aside * axis.cross(from) +
+         (spin.dot(to) - std::tan(angle / 2) * aside) * from;
 }
 
 }  // namespace
 
 void Rod::correct(const Dofs& force_change) {
   force_ += force_change;
+  for (Index i = 0; i < nodes(); ++i) lever_[i] = lever(i);
   answer_ = force_change;
   for (const Index node : clamped_) answer_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(answer_));
@@ -300,40 +320,37 @@ void Rod::correct(const Dofs& force_change) {
   Real part = std::min(1., turn_limit / turn);
   predict_tension(answer_, part);
   for (Index i = 0; i < nodes(); ++i) {
-    Eigen::Ref<Vec3> turned = answer_.segment<3>(6 * i + 3);
-    turned = as_change_of_spin(dt_ * velocity_.segment<3>(6 * i + 3), turned);
+    Eigen::Ref<Vec3> spin = answer_.segment<3>(6 * i + 3);
+    spin = as_change_of_turn(motion_.segment<3>(6 * i + 3), tangent(start_[i]), tangent(pose_[i]),
+                             spin);
   }
   // Passes may lift the potential on their best way, as long as they contract: a turn fakes
   // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
   const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
   const Real before = contracts ? 0 : potential();
-  const Real work = work_of_outer_forces();
-  velocity_ += part / dt_ * answer_;
-  take_velocity();
-  for (int cut = 0; cut < 12 && !contracts && !(potential() - part * work <= before);
-       ++cut, part /= 2) {
-    velocity_ -= part / (2 * dt_) * answer_;
-    take_velocity();
+  motion_ += part * answer_;
+  take_motion();
+  for (int cut = 0; cut < 12 && !contracts && !(potential() <= before); ++cut, part /= 2) {
+    motion_ -= part / 2 * answer_;
+    take_motion();
   }
   stuck_ = !contracts && part < 0.1;
   last_turn_ = turn;
 }
 
-/// Of constraints and loads over the change of this pass (J). Their moments turn sections further,
-/// which is no change of a rotation vector: so they have no potential.
-Real Rod::work_of_outer_forces() const {
-  Real work = dt_ * force_.dot(change_);
-  if (load_.size() == change_.size()) work += dt_ * load_.dot(change_);
-  return work;
+void Rod::guess(const VecX& motion) {
+  motion_ = motion;
+  take_motion();
 }
 
-void Rod::guess(const VecX& velocity) {
-  velocity_ = velocity;
-  take_velocity();
-}
-
-void Rod::take_velocity() {
-  move(start_, start_twist_, velocity_, dt_, pose_, twist_);
+/// Poses and velocity after the present motion, and the balance there.
+void Rod::take_motion() {
+  move(start_, start_twist_, motion_, pose_, twist_);
+  for (Index i = 0; i < nodes(); ++i) {
+    const Vec3 turn = motion_.segment<3>(6 * i + 3), from = tangent(start_[i]);
+    velocity_.segment<3>(6 * i) = motion_.segment<3>(6 * i) / dt_;
+    velocity_.segment<3>(6 * i + 3) = (turn + turn.dot(from) * (tangent(pose_[i]) - from)) / dt_;
+  }
   evaluate_guess();
 }
 

@@ -132,21 +132,21 @@ TEST(RodStep, TheMissingMomentumIsTheSlopeOfThePotential) {
   Rod rod = thrown(0.1);
   for (int i = 0; i < 5; ++i) rod.advance(dt, gravity, VecX::Zero(rod.dofs()), balanced);
   rod.damping_stiffness = 1e-3;
-  // Slow, so that sections turn by 1e-4 in the step: so far is the derivative by a rotation vector
-  // from that by a turn of the section.
+  // Slow, so that sections turn by 1e-4 in the step: so far is the derivative by the motion from
+  // that by a further spin of the section.
   rod.velocity() *= 0.01;
   rod.begin_step(dt, Vec3::Zero());
   ASSERT_TRUE(rod.linearise(VecX::Zero(rod.dofs())));
-  const VecX missing = rod.missing(), v = rod.velocity();
+  const VecX missing = rod.missing(), motion = rod.motion();
   for (Index node = 0; node < rod.nodes(); node += 4) {
     Vec6 slope = Vec6::Zero();
     for (int k = 0; k < 6; ++k) {
-      const Real size = k < 3 ? 1e-7 : 1e-4;
+      const Real size = dt * (k < 3 ? 1e-7 : 1e-4);
       for (const Real sign : {1., -1.}) {
-        VecX other = v;
+        VecX other = motion;
         other[6 * node + k] += sign * size;
         rod.guess(other);
-        slope[k] += sign * rod.potential() / (2 * size);
+        slope[k] += sign * dt * rod.potential() / (2 * size);
       }
     }
     const Vec6 wrong = slope + missing.segment<6>(6 * node);
