@@ -83,6 +83,7 @@ void PathFriction::initialise(Setup& setup) {
   static_over_kinetic_ =
       coefficient_ > 0 ? std::max(static_coefficient_ / coefficient_, Real(1)) : Real(1);
   blocks_.reserve(256);
+  left_.reserve(256);
   if (pressure_from_ == PressureFrom::tissue &&
       !(path_->tissue().elasticity({.element = 0}).young > 0))
     setup.error(
@@ -94,6 +95,16 @@ void PathFriction::archive(Archive& a) {
   a("force", force_);
   a("limit", limit_);
   a("sliding", sliding_);
+  a.list("left", left_, [](Archive& each, Left& l) {
+    each("sample", l.sample);
+    each("slip", l.slip);
+  });
+}
+
+Real PathFriction::left_at(std::uint64_t sample) const {
+  const auto it = std::lower_bound(left_.begin(), left_.end(), sample,
+                                   [](const Left& l, std::uint64_t id) { return l.sample < id; });
+  return it != left_.end() && it->sample == sample ? it->slip : 0;
 }
 
 Real PathFriction::thread_coefficient() const {
@@ -137,23 +148,26 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
     // between two levels.
     params.stick_slip = std::max(stick_speed_ * context.dt, 1e-6 * (c.share.high - c.share.low));
     limit_ += params.kinetic;
-    const BlockId block =
-        builder.add<PathFrictionLaw>(make_key(source_id_, c.id), params, BlockVector<1>(c.gap.x()));
+    const BlockId block = builder.add<PathFrictionLaw>(make_key(source_id_, c.id), params,
+                                                       BlockVector<1>(c.gap.x() + left_at(c.id)));
     const Directions along = c.axes.topRows<1>();
     builder.couple(block, path_->thread(), along, c.thread, c.position);
     builder.couple(block, path_->tissue(), -along, c.tissue, c.position);
-    blocks_.push_back({block, params.stick_slip});
+    blocks_.push_back({block, c.id, params});
   }
 }
 
 void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
   force_ = 0;
   sliding_ = 0;
+  left_.clear();
   for (const SampleBlock& b : blocks_) {
-    const Real slip = solved.delta(b.block)[0];
-    force_ += solved.lambda(b.block)[0];
-    if (solved.mode(b.block) == PathFrictionLaw::slip && std::abs(slip) > b.stick_slip)
+    const Real slip = solved.delta(b.block)[0], force = solved.lambda(b.block)[0];
+    const Mode mode = solved.mode(b.block);
+    force_ += force;
+    if (mode == PathFrictionLaw::slip && std::abs(slip) > b.params.stick_slip)
       sliding_ += slip > 0 ? 1 : -1;
+    left_.push_back({b.sample, PathFrictionLaw::missed(b.params, slip, mode, force)});
   }
 }
 

@@ -40,9 +40,18 @@ class PathFriction : public Component, public ConstraintSource {
   Index source_id_ = 0;
   struct SampleBlock {
     BlockId block;
-    Real stick_slip;  ///< m
+    std::uint64_t sample;
+    PathFrictionLaw::Params params;
   };
   std::vector<SampleBlock> blocks_;
+  /// Slip that the last step left at samples that stick, by rounding and within the tolerance: the
+  /// next one takes it back, or a thread at rest would creep.
+  struct Left {
+    std::uint64_t sample = 0;
+    Real slip = 0;  ///< m
+  };
+  std::vector<Left> left_;  ///< in the order of passage
+  Real left_at(std::uint64_t sample) const;
   Real force_ =
       0;  ///< sum of axial forces on the thread, positive towards the end of the thread (N)
   Real limit_ = 0;  ///< sum of kinetic resistances (N)

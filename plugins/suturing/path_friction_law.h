@@ -71,6 +71,14 @@ struct PathFrictionLaw {
     return true;
   }
 
+  /// What of delta the law does not allow (m): all of it where the sample sticks, and at the limit
+  /// what goes the way of the force.
+  static Real missed(const Params& p, Real delta, Mode mode, Real lambda) {
+    constexpr Real rounding = 1e-9;
+    const bool slips = std::abs(lambda) >= (1 - rounding) * level(p, mode);
+    return slips && delta * lambda <= 0 ? 0 : delta;
+  }
+
   static Mode next_mode(const Params& p, const BlockVector<1>& delta, Mode mode,
                         const BlockVector<1>&) {
     return mode == slip && std::abs(delta[0]) > p.stick_slip ? slip : stick;

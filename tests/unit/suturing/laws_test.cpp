@@ -100,6 +100,14 @@ TEST(PathFrictionLaw, BreaksAwayOnlyAtTheStaticLevelAndBeyondTheBand) {
   EXPECT_FALSE(PathFrictionLaw::event(p, V(1e-3), mode, V(-0.2)));
 }
 
+TEST(PathFrictionLaw, SaysWhichSlipItDoesNotAllow) {
+  const PathFrictionLaw::Params p{.static_level = 0.2, .kinetic = 0.1};
+  EXPECT_EQ(PathFrictionLaw::missed(p, 1e-7, PathFrictionLaw::stick, -0.19), 1e-7);  // sticks
+  EXPECT_EQ(PathFrictionLaw::missed(p, -1e-7, PathFrictionLaw::slip, 0.05), -1e-7);  // rests
+  EXPECT_EQ(PathFrictionLaw::missed(p, 1e-3, PathFrictionLaw::slip, -0.1), 0);       // slides
+  EXPECT_EQ(PathFrictionLaw::missed(p, 1e-7, PathFrictionLaw::slip, 0.1), 1e-7);     // backwards
+}
+
 /// Whether (delta, lambda) fulfils the law of the pressing tip, to `scale` (m).
 void expect_pressing(const Vec3& n, Real fp, Real mu, const Vec3& delta, const Vec3& lambda,
                      Real scale) {
