@@ -163,11 +163,10 @@ void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
   left_.clear();
   for (const SampleBlock& b : blocks_) {
     const Real slip = solved.delta(b.block)[0], force = solved.lambda(b.block)[0];
-    const Mode mode = solved.mode(b.block);
+    const bool may_slide = PathFrictionLaw::at_limit(b.params, solved.mode(b.block), force);
     force_ += force;
-    if (mode == PathFrictionLaw::slip && std::abs(slip) > b.params.stick_slip)
-      sliding_ += slip > 0 ? 1 : -1;
-    left_.push_back({b.sample, PathFrictionLaw::missed(b.params, slip, mode, force)});
+    if (may_slide && std::abs(slip) > b.params.stick_slip) sliding_ += slip > 0 ? 1 : -1;
+    left_.push_back({b.sample, may_slide ? 0 : slip});
   }
 }
 

@@ -16,7 +16,8 @@
 // event: it happens on verified forces only, when a sample at its static limit slips by more than
 // `stick_slip` (Karnopp's velocity band times dt: slower is not sliding). The way back is between
 // steps: a sample that slipped by less than that begins the next step in `stick`. In the mode
-// `slip` a sample may come to rest, then delta = 0 with at most Rk.
+// `slip` a sample may come to rest, then delta = 0 with at most Rk. Where Rs = Rk both modes are
+// the same law, and no event is needed.
 #pragma once
 
 #include <cmath>
@@ -62,21 +63,18 @@ struct PathFrictionLaw {
     out.compliance(0, 0) = 1 / p.viscous;
   }
 
-  static bool event(const Params& p, const BlockVector<1>& delta, Mode& mode,
-                    const BlockVector<1>& lambda) {
+  /// The force is as large as the mode allows: the sample may slide.
+  static bool at_limit(const Params& p, Mode mode, Real lambda) {
     constexpr Real rounding = 1e-9;  // of a force that was found as a sum of changes
-    if (mode == slip || std::abs(lambda[0]) < (1 - rounding) * p.static_level) return false;
-    if (!(std::abs(delta[0]) > p.stick_slip)) return false;
-    mode = slip;
-    return true;
+    return std::abs(lambda) >= (1 - rounding) * level(p, mode);
   }
 
-  /// What of delta the law does not allow (m): all of it where the sample sticks, and at the limit
-  /// what goes the way of the force.
-  static Real missed(const Params& p, Real delta, Mode mode, Real lambda) {
-    constexpr Real rounding = 1e-9;
-    const bool slips = std::abs(lambda) >= (1 - rounding) * level(p, mode);
-    return slips && delta * lambda <= 0 ? 0 : delta;
+  static bool event(const Params& p, const BlockVector<1>& delta, Mode& mode,
+                    const BlockVector<1>& lambda) {
+    const bool breaks_away = mode == stick && p.kinetic < p.static_level &&
+                             at_limit(p, mode, lambda[0]) && std::abs(delta[0]) > p.stick_slip;
+    if (breaks_away) mode = slip;
+    return breaks_away;
   }
 
   static Mode next_mode(const Params& p, const BlockVector<1>& delta, Mode mode,

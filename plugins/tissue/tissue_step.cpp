@@ -101,12 +101,12 @@ Real Tissue::moved_since_linearised() const {
   return std::sqrt(most);
 }
 
-/// A^-1 of a momentum that is missing, to a millionth of the forces at work: far below the
+/// A^-1 of a momentum that is missing, to 1e-7 of the forces at work: far below the
 /// tolerance of a step, so that the passes do not feel it.
 void Tissue::solve_what_matters(const StepContext& context, VecX& momentum) {
   for (std::size_t i = 0; i < fixed_.size(); ++i)
     if (fixed_[i]) momentum.segment<3>(3 * static_cast<Index>(i)).setZero();
-  const Real enough = 1e-6 * context.dt * at_work_;
+  const Real enough = 1e-7 * context.dt * at_work_;
   if (momentum.norm() <= enough)
     momentum.setZero();
   else

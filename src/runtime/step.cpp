@@ -83,6 +83,16 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     build(context, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
+    if (getenv("TRACE")) {
+      std::fprintf(stderr, "step %d dt %g pass %d viol %.3g", int(context.step), context.dt, int(context.pass), violation_);
+      for (std::size_t i = 0; i < bodies_.size(); ++i)
+        std::fprintf(stderr, "  %s %.3g (%.3g N)", bodies_[i].path.c_str(), imbalance_[i].relative, imbalance_[i].force);
+      std::size_t w = 0;
+      for (std::size_t i = 0; i < problem_.blocks.size(); ++i)
+        if (problem_.blocks[i].violation > problem_.blocks[w].violation) w = i;
+      if (!problem_.blocks.empty()) std::fprintf(stderr, " worst %s#%d mode %d l %.4g ev %d sw %d", problem_.blocks[w].law->name, int(w), int(problem_.blocks[w].mode), problem_.lambda[problem_.blocks[w].first_row], int(report_.solve.events), int(report_.solve.sweeps));
+      std::fprintf(stderr, "\n");
+    }
     if (!std::isfinite(violation_)) return false;
     if (!balanced || context.pass < least) continue;
     // What cannot be undone happens on forces that have been verified, all that is due at once.

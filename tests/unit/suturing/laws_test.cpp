@@ -100,12 +100,12 @@ TEST(PathFrictionLaw, BreaksAwayOnlyAtTheStaticLevelAndBeyondTheBand) {
   EXPECT_FALSE(PathFrictionLaw::event(p, V(1e-3), mode, V(-0.2)));
 }
 
-TEST(PathFrictionLaw, SaysWhichSlipItDoesNotAllow) {
-  const PathFrictionLaw::Params p{.static_level = 0.2, .kinetic = 0.1};
-  EXPECT_EQ(PathFrictionLaw::missed(p, 1e-7, PathFrictionLaw::stick, -0.19), 1e-7);  // sticks
-  EXPECT_EQ(PathFrictionLaw::missed(p, -1e-7, PathFrictionLaw::slip, 0.05), -1e-7);  // rests
-  EXPECT_EQ(PathFrictionLaw::missed(p, 1e-3, PathFrictionLaw::slip, -0.1), 0);       // slides
-  EXPECT_EQ(PathFrictionLaw::missed(p, 1e-7, PathFrictionLaw::slip, 0.1), 1e-7);     // backwards
+TEST(PathFrictionLaw, NeedsNoEventWhereBothLevelsAreTheSame) {
+  const PathFrictionLaw::Params p{.static_level = 0.1, .kinetic = 0.1};
+  Mode mode = PathFrictionLaw::stick;
+  EXPECT_TRUE(PathFrictionLaw::at_limit(p, mode, -0.1));
+  EXPECT_FALSE(PathFrictionLaw::at_limit(p, mode, -0.099));
+  EXPECT_FALSE(PathFrictionLaw::event(p, BlockVector<1>(1e-3), mode, BlockVector<1>(-0.1)));
 }
 
 /// Whether (delta, lambda) fulfils the law of the pressing tip, to `scale` (m).
