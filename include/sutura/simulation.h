@@ -187,6 +187,7 @@ class Simulation {
   std::vector<const Body*> const_bodies_;
   std::vector<VecX> body_force_;      ///< of the constraints, per body (N, N m)
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
+  std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
   Real violation_ = 0;                ///< likewise
   std::string identity_;              ///< of scene, files and build: what a state must agree with
   GrowingVec lambda_before_;

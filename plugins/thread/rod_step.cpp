@@ -335,15 +335,6 @@ void Rod::correct(const Dofs& force_change) {
     take_motion();
   }
   stuck_ = !contracts && part < 0.1;
-  if (getenv("TRACE")) {
-    Index w = 0, wp = 0; Real roll = 0;
-    for (Index i = 0; i < nodes(); ++i) {
-      if (answer_.segment<3>(6*i).norm() > answer_.segment<3>(6*wp).norm()) wp = i;
-      if (answer_.segment<3>(6*i+3).norm() > answer_.segment<3>(6*w+3).norm()) w = i;
-    }
-    roll = std::abs(answer_.segment<3>(6*w+3).dot(pose_[w].rotation*Vec3::UnitX()));
-    std::fprintf(stderr, "   turn %.3g part %.3g con %d stuck %d | move %.3g at %d, spin %.3g at %d (roll %.3g)\n", turn, part, contracts, stuck_, answer_.segment<3>(6*wp).norm(), int(wp), answer_.segment<3>(6*w+3).norm(), int(w), roll);
-  }
   last_turn_ = turn;
 }
 

@@ -96,6 +96,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->const_bodies_.push_back(body);
       s->report_.bodies.push_back({.body = c->path(), .imbalance = {}, .work = {}});
       s->imbalance_.emplace_back();
+      s->settled_.push_back(0);
       s->body_force_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
