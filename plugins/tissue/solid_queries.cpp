@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "closest_point.h"
+#include "sutura/geometry/distances.h"
 
 namespace sutura {
 namespace {
@@ -60,16 +60,17 @@ class AlongSegment {
 }  // namespace
 
 SolidTopology::SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tets,
-                             std::vector<BoundaryFace> boundary)
+                             const std::vector<BoundaryFace>& boundary)
     : tets_(std::move(tets)),
-      boundary_(std::move(boundary)),
+      triangles_(triangles(boundary)),
       tet_tree_(centres(rest, tets_)),
-      triangle_tree_(centres(rest, triangles(boundary_))) {
+      triangle_tree_(centres(rest, triangles_)) {
+  for (const BoundaryFace& f : boundary) tet_behind_.push_back(f.tet);
   std::map<std::array<Index, 2>, Index> number;
-  for (const BoundaryFace& f : boundary_) {
+  for (const Triangle& t : triangles_) {
     std::array<Index, 3> edges{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Index i = f.nodes[k], j = f.nodes[(k + 1) % 3];
+      const Index i = t[k], j = t[(k + 1) % 3];
       edges[k] =
           number.try_emplace({std::min(i, j), std::max(i, j)}, static_cast<Index>(number.size()))
               .first->second;
@@ -79,8 +80,19 @@ SolidTopology::SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tet
   edges_ = static_cast<Index>(number.size());
 }
 
+EmbeddedPoint SolidTopology::on_surface(Index triangle, const Vec3& weights) const {
+  const Triangle& corners = triangles_[triangle];
+  EmbeddedPoint p{.element = tet_behind_[triangle], .weights = {}};
+  const Tet& tet = tets_[p.element];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto place = std::find(tet.begin(), tet.end(), corners[k]) - tet.begin();
+    p.weights[static_cast<std::size_t>(place)] = weights[static_cast<Index>(k)];
+  }
+  return p;
+}
+
 std::array<Vec3, 3> SolidQueries::corners(Index triangle) const {
-  const Triangle& t = topology_->boundary_[triangle].nodes;
+  const Triangle& t = topology_->triangles_[triangle];
   return {point(t[0]), point(t[1]), point(t[2])};
 }
 
@@ -115,11 +127,11 @@ void SolidQueries::fit_triangles() const {
   });
   vertex_normal_.assign(static_cast<std::size_t>(x_->size() / 3), Vec3::Zero());
   edge_normal_.assign(static_cast<std::size_t>(topology_->edges_), Vec3::Zero());
-  for (Index f = 0; f < static_cast<Index>(topology_->boundary_.size()); ++f) {
+  for (Index f = 0; f < static_cast<Index>(topology_->triangles_.size()); ++f) {
     const std::array<Vec3, 3> t = corners(f);
     const Vec3 normal = unit((t[1] - t[0]).cross(t[2] - t[0]));
     for (std::size_t k = 0; k < 3; ++k) {
-      vertex_normal_[topology_->boundary_[f].nodes[k]] +=
+      vertex_normal_[topology_->triangles_[f][k]] +=
           angle_at(t[k], t[(k + 1) % 3], t[(k + 2) % 3]) * normal;
       edge_normal_[topology_->edge_of_[f][k]] += normal;
     }
@@ -128,16 +140,11 @@ void SolidQueries::fit_triangles() const {
 }
 
 SurfacePoint SolidQueries::on_triangle(Index triangle, const Vec3& weights) const {
-  const BoundaryFace& f = topology_->boundary_[triangle];
-  const Tet& tet = topology_->tets_[f.tet];
   SurfacePoint s;
   s.triangle = triangle;
-  s.at.element = f.tet;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto place = std::find(tet.begin(), tet.end(), f.nodes[k]) - tet.begin();
-    s.at.weights[static_cast<std::size_t>(place)] = weights[static_cast<Index>(k)];
-    s.position += weights[static_cast<Index>(k)] * point(f.nodes[k]);
-  }
+  s.at = topology_->on_surface(triangle, weights);
+  const std::array<Vec3, 3> t = corners(triangle);
+  for (std::size_t k = 0; k < 3; ++k) s.position += weights[static_cast<Index>(k)] * t[k];
   s.normal = surface_normal(triangle);
   return s;
 }
@@ -179,15 +186,14 @@ std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real re
   fit_triangles();
   Real least = reach * reach;
   Index triangle = -1;
-  ClosestPoint closest;
+  TrianglePoint closest;
   topology_->triangle_tree_.visit(
       triangle_boxes_, [&](const Box& box) { return box.squared_distance(p) <= least; },
       [&](Index f) {
         if (!faces(f, facing)) return;
         const std::array<Vec3, 3> t = corners(f);
-        const ClosestPoint c = closest_point(p, t);
-        const Vec3 q = c.weights[0] * t[0] + c.weights[1] * t[1] + c.weights[2] * t[2];
-        const Real distance = (p - q).squaredNorm();
+        const TrianglePoint c = closest_point(p, t);
+        const Real distance = (p - c.on(t)).squaredNorm();
         if (distance > least || (distance == least && triangle >= 0 && f > triangle)) return;
         least = distance;
         triangle = f;
@@ -196,7 +202,7 @@ std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real re
   if (triangle < 0) return {};
   SurfacePoint s = on_triangle(triangle, closest.weights);
   if (closest.corner >= 0)
-    s.normal = unit(vertex_normal_[topology_->boundary_[triangle].nodes[closest.corner]]);
+    s.normal = unit(vertex_normal_[topology_->triangles_[triangle][closest.corner]]);
   else if (closest.edge >= 0)
     s.normal = unit(edge_normal_[topology_->edge_of_[triangle][closest.edge]]);
   const Vec3 r = p - s.position;

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "box_tree.h"
 #include "mesh_check.h"
 #include "mesh_data.h"
-#include "sutura/body.h"
+#include "sutura/geometry/box_tree.h"
+#include "sutura/geometry/triangle_surface.h"
 
 namespace sutura {
 
@@ -17,15 +17,16 @@ namespace sutura {
 class SolidTopology {
  public:
   SolidTopology(const std::vector<Vec3>& rest, std::vector<Tet> tets,
-                std::vector<BoundaryFace> boundary);
+                const std::vector<BoundaryFace>& boundary);
 
-  const std::vector<Tet>& tets() const { return tets_; }
-  const std::vector<BoundaryFace>& boundary() const { return boundary_; }
+  /// A point of a triangle of the boundary as a point of the tet behind it.
+  EmbeddedPoint on_surface(Index triangle, const Vec3& weights) const;
 
  private:
   friend class SolidQueries;
   std::vector<Tet> tets_;
-  std::vector<BoundaryFace> boundary_;
+  std::vector<Triangle> triangles_;            ///< of the boundary
+  std::vector<Index> tet_behind_;              ///< per triangle
   std::vector<std::array<Index, 3>> edge_of_;  ///< per triangle: edges 01, 12, 20
   Index edges_ = 0;
   BoxTree tet_tree_, triangle_tree_;
@@ -42,7 +43,13 @@ class SolidQueries {
   /// `x`: 3 n numbers, kept by reference.
   void move(const VecX& x) {
     x_ = &x;
+    ++generation_;
     tets_fitted_ = triangles_fitted_ = false;
+  }
+
+  const SolidTopology& topology() const { return *topology_; }
+  TriangleSurface surface() const {
+    return {topology_->triangles_, {x_->data(), static_cast<std::size_t>(x_->size())}, generation_};
   }
 
   std::optional<EmbeddedPoint> locate(const Vec3& p) const;
@@ -66,6 +73,7 @@ class SolidQueries {
 
   std::shared_ptr<const SolidTopology> topology_;
   const VecX* x_ = nullptr;
+  std::uint64_t generation_ = 0;  ///< of the positions
   mutable bool tets_fitted_ = false, triangles_fitted_ = false;
   mutable BoxTree::Boxes tet_boxes_, triangle_boxes_;
   mutable std::vector<Vec3> vertex_normal_, edge_normal_;  ///< not normalised; vertices by node

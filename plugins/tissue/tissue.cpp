@@ -210,6 +210,9 @@ std::optional<SurfacePoint> Tissue::crossing(const Vec3& a, const Vec3& b, Confi
 Vec3 Tissue::surface_normal(Index triangle, Configuration c) const {
   return queries(c).surface_normal(triangle);
 }
+EmbeddedPoint Tissue::on_surface(Index triangle, const Vec3& weights) const {
+  return queries(Configuration::rest).topology().on_surface(triangle, weights);
+}
 Elasticity Tissue::elasticity(const EmbeddedPoint& p) const {
   const Material& m = tet_material_[static_cast<std::size_t>(p.element)];
   return {m.young, m.poisson};

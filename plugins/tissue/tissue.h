@@ -22,7 +22,7 @@ namespace sutura {
 /// same tets, cured of locking (smoothed_t4.h).
 enum class TissueElement { unstated, t4, smoothed };
 
-class Tissue : public Component, public SolidBody {
+class Tissue : public Component, public MeshedSolid {
  public:
   static constexpr const char* interface_name = "Tissue";
 
@@ -109,6 +109,10 @@ class Tissue : public Component, public SolidBody {
   int region(const EmbeddedPoint& p) const override;
   std::optional<int> find_region(const std::string& name_or_tag, std::string& error) const override;
   Elasticity elasticity(const EmbeddedPoint& p) const override;
+
+  // MeshedSolid
+  TriangleSurface surface(Configuration c) const override { return queries(c).surface(); }
+  EmbeddedPoint on_surface(Index triangle, const Vec3& weights) const override;
 
  private:
   const SolidQueries& queries(Configuration c) const {

@@ -1,4 +1,4 @@
-#include "box_tree.h"
+#include "sutura/geometry/box_tree.h"
 
 #include <algorithm>
 #include <numeric>
