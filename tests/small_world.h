@@ -52,18 +52,12 @@ class PointMasses : public Body {
     change_ = factor_.solve(missing_ + c.dt * free(f));
   }
   Eigen::Ref<const VecX> change() const override { return change_; }
-  Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
+  Vec3 position(Index node, Configuration c) const {
     const bool began = start_x_.size() > 0;
     const VecX& from = c == Configuration::rest             ? rest_
                        : c == Configuration::start && began ? start_x_
                                                             : x;
-    return from.segment<3>(3 * p.element);
-  }
-  void jacobian(const EmbeddedPoint& p, PointJacobian& J) const override {
-    J.nodes = 1;
-    J.width = 3;
-    J.node[0] = p.element;
-    J.coefficients = Mat3::Identity();
+    return from.segment<3>(3 * node);
   }
   void solve(Eigen::Ref<MatX> columns) const override {
     for (Index i = 0; i < columns.rows(); ++i)
@@ -135,10 +129,6 @@ class PointMasses : public Body {
   Eigen::LDLT<MatX> factor_;
 };
 
-inline EmbeddedPoint node(Index i) {
-  return {i, {}};
-}
-
 /// Bodies and one function that builds the blocks at a guess; it is asked once more after each
 /// pass.
 class SmallWorld {
@@ -174,10 +164,12 @@ class SmallWorld {
     return report;
   }
   /// Adds sign * directions (rows x 3) on a node to a block.
-  void couple(BlockId id, const Body& body, Index at, const MatX& directions) {
+  void couple(BlockId id, const PointMasses& body, Index node, const MatX& directions) {
     PointJacobian J;
-    body.jacobian(node(at), J);
-    builder.couple(id, body, directions, J, body.position(node(at), Configuration::current));
+    J.nodes = 1;
+    J.node[0] = node;
+    J.coefficients = Mat3::Identity();
+    builder.couple(id, body, directions, J, body.position(node, Configuration::current));
   }
 
   std::vector<Body*> bodies;

@@ -85,12 +85,12 @@ inline ConstraintProblem stitch(const StitchOptions& o) {
   for (int i = 0; i < o.samples; ++i) {
     append<Bilateral<2>>(p, {});
     const Real share = some(random);
-    append<PathFrictionLaw>(p,
-                            {.static_level = o.static_level * share,
-                             .kinetic = o.kinetic * share,
-                             .viscous = o.viscous,
-                             .stick_slip = 1e-4 * h},
-                            PathFrictionLaw::stick, {.force = 0.01});
+    append<suturing::PathFrictionLaw>(p,
+                                      {.static_level = o.static_level * share,
+                                       .kinetic = o.kinetic * share,
+                                       .viscous = o.viscous,
+                                       .stick_slip = 1e-4 * h},
+                                      suturing::PathFrictionLaw::stick, {.force = 0.01});
   }
   const int n = 3 * o.samples;
   MatX W(n, n);

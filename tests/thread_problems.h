@@ -27,8 +27,7 @@ class AssembledBody : public Body {
   void begin_step(const StepContext&) override {}
   void linearise(const StepContext&, const VecX&) override {}
   Eigen::Ref<const VecX> change() const override { return still_; }
-  Vec3 position(const EmbeddedPoint&, Configuration) const override { return Vec3::Zero(); }
-  void jacobian(const EmbeddedPoint&, PointJacobian& J) const override {
+  static void jacobian(PointJacobian& J) {
     J.nodes = 1;
     J.width = 3;
     J.node[0] = 0;
@@ -82,8 +81,8 @@ class ThreadPath {
       PointJacobian J, at_tissue;
       const Real s = 1e-3 * (static_cast<Real>(options_.first_beam + i) + 0.3 +
                              0.4 * static_cast<Real>(i % 2));
-      thread.jacobian(thread.embed(s), J);
-      tissue_.jacobian({}, at_tissue);
+      thread.jacobian(s, J);
+      tissue_.jacobian(at_tissue);
       Vec3 gap =
           2e-5 * Vec3(std::sin(7. * static_cast<Real>(i)), std::sin(5. * static_cast<Real>(i)), 0);
       for (int k = 0; k < J.nodes; ++k)
@@ -94,10 +93,10 @@ class ThreadPath {
       const BlockId hold = builder.add<Bilateral<2>>(make_key(1, static_cast<std::uint64_t>(2 * i)),
                                                      {.compliance = 1e-4}, across * gap);
       const Real level = 0.002 + 0.001 * static_cast<Real>(i % 3);
-      const BlockId friction = builder.add<PathFrictionLaw>(
+      const BlockId friction = builder.add<suturing::PathFrictionLaw>(
           make_key(1, static_cast<std::uint64_t>(2 * i + 1)),
           {.static_level = level, .kinetic = level, .viscous = 1, .stick_slip = 1e-4 * options_.dt},
-          BlockVector<1>(gap.x()), PathFrictionLaw::stick, {.force = 0.01});
+          BlockVector<1>(gap.x()), suturing::PathFrictionLaw::stick, {.force = 0.01});
       builder.couple(hold, thread, across, J, Vec3::Zero());
       builder.couple(friction, thread, along, J, Vec3::Zero());
       if (!options_.tissue) continue;

@@ -11,6 +11,8 @@
 
 namespace sutura::test {
 
+using namespace tissue;
+
 inline MeshData kuhn_block(std::array<int, 3> cells, const Vec3& size) {
   MeshData mesh;
   const auto number = [&](int i, int j, int k) {

@@ -16,6 +16,8 @@
 
 namespace sutura::test {
 
+using namespace tissue;
+
 inline std::string all_messages(const Diagnostics& diagnostics) {
   std::string text;
   for (const Diagnostic& d : diagnostics.all()) text += d.text() + "\n";

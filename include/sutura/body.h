@@ -1,4 +1,5 @@
-// A body: something with mass that moves. Virtual calls are per body per step, never per row.
+// A body: something with mass that moves. A curve is asked for its points by abscissa, a solid by
+// element and weights.
 //
 // Every body integrates by implicit Euler on velocity change: A dv = h (f - h K v), A = M + h B +
 // h^2 K, and answers a constraint force lambda (N) by dv += h A^-1 H^T lambda, so W = h^2 H A^-1
@@ -29,11 +30,10 @@ struct StepContext {
 /// is the guess of its end.
 enum class Configuration { rest, start, current };
 
-/// A point of a body, in the coordinates of the body itself, so that it survives motion.
-/// Tissue: element and barycentric weights. Curve: weights[0] is the abscissa (m), element a hint.
+/// A point of a solid, in the coordinates of the material, so that it survives motion.
 struct EmbeddedPoint {
   Index element = -1;
-  std::array<Real, 4> weights{};
+  std::array<Real, 4> weights{};  ///< barycentric, one per node of the element
 };
 
 /// velocity of a point = sum over nodes of coefficients(:, k*width .. ) * node velocity.
@@ -121,10 +121,6 @@ class Body {
   /// That change (m/s, rad/s; size dofs).
   virtual Eigen::Ref<const VecX> change() const = 0;
 
-  virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
-  /// At the guess.
-  virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
-
   /// Stage compliance: columns <- A^-1 columns (dofs x any), with the A of this step. Prescribed
   /// dofs answer zero.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
@@ -196,6 +192,9 @@ struct Elasticity {
 class SolidBody : public Body {
  public:
   static constexpr const char* interface_name = "SolidBody";
+  virtual Vec3 position(const EmbeddedPoint& p, Configuration c) const = 0;
+  /// At the guess.
+  virtual void jacobian(const EmbeddedPoint& p, PointJacobian& out) const = 0;
   /// The element that contains p, or nothing.
   virtual std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const = 0;
   /// The closest point of the boundary within `reach` (m) of p, or nothing. With `facing`: of that
@@ -229,8 +228,9 @@ class CurveBody : public Body {
   virtual Real length() const = 0;
   virtual Real needle_length() const = 0;  ///< 0 without needle
   virtual Real radius(Real s) const = 0;
-  virtual EmbeddedPoint embed(Real s) const = 0;
   virtual Vec3 point(Real s, Configuration c) const = 0;
+  /// Of the point at s, at the guess.
+  virtual void jacobian(Real s, PointJacobian& out) const = 0;
   /// Unit vector in the direction of growing s.
   virtual Vec3 tangent(Real s, Configuration c) const = 0;
   /// Frame of the section: x axis along the tangent.

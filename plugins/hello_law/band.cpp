@@ -45,7 +45,7 @@ class Band : public Component, public ConstraintSource {
     block_ = builder.add<BandLaw>(make_key(source_id_, 0), {stiffness_, limit_}, gap);
 
     PointJacobian J;
-    thread_->jacobian(thread_->embed(at_), J);
+    thread_->jacobian(at_, J);
     builder.couple(block_, *thread_, along, J, now);
   }
 

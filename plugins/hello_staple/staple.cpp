@@ -10,6 +10,22 @@
 
 using namespace sutura;
 
+/// A point of a thread or of a tissue: the one that is not null.
+struct End {
+  const CurveBody* thread = nullptr;
+  Real abscissa = 0;
+  const SolidBody* tissue = nullptr;
+  EmbeddedPoint at;
+
+  Vec3 position() const {
+    constexpr auto now = Configuration::current;
+    return thread != nullptr ? thread->point(abscissa, now) : tissue->position(at, now);
+  }
+  void jacobian(PointJacobian& J) const {
+    thread != nullptr ? thread->jacobian(abscissa, J) : tissue->jacobian(at, J);
+  }
+};
+
 class Staple : public Component, public ConstraintSource, public Drawing {
  public:
   static void describe(Describe<Staple>& d) {
@@ -34,8 +50,8 @@ class Staple : public Component, public ConstraintSource, public Drawing {
   void initialise(Setup& setup) override { source_id_ = setup.source_id; }
 
   void ready(Setup& setup) override {
-    first_at_ = place(*first_, "first_point", first_point_, setup);
-    second_at_ = place(*second_, "second_point", second_point_, setup);
+    first_end_ = find_end(*first_, "first_point", first_point_, setup);
+    second_end_ = find_end(*second_, "second_point", second_point_, setup);
   }
 
   void build(const StepContext&, ConstraintBuilder& builder) override {
@@ -43,10 +59,10 @@ class Staple : public Component, public ConstraintSource, public Drawing {
     block_ = builder.add<StapleLaw>(make_key(source_id_, 0), {stiffness_, length_, pull_out_},
                                     delta, mode_);
     PointJacobian J;
-    first_->jacobian(first_at_, J);
-    builder.couple(block_, *first_, Mat3::Identity(), J, here(*first_, first_at_));
-    second_->jacobian(second_at_, J);
-    builder.couple(block_, *second_, -Mat3::Identity(), J, here(*second_, second_at_));
+    first_end_.jacobian(J);
+    builder.couple(block_, *first_, Mat3::Identity(), J, first_end_.position());
+    second_end_.jacobian(J);
+    builder.couple(block_, *second_, -Mat3::Identity(), J, second_end_.position());
   }
 
   void commit(const StepContext&, const SolvedBlocks& solved) override {
@@ -62,33 +78,40 @@ class Staple : public Component, public ConstraintSource, public Drawing {
   BodyGeometry geometry() const override {
     if (mode_ == StapleLaw::out) return {};
     BodyGeometry line;
-    line.points = {here(*first_, first_at_), here(*second_, second_at_)};
+    line.points = {first_end_.position(), second_end_.position()};
     line.connectivity = {0, 1};
     line.fields = {{"force [N]", true, 1, {force_.norm()}}};
     return line;
   }
 
  private:
-  static Vec3 here(const Body& body, const EmbeddedPoint& at) {
-    return body.position(at, Configuration::current);
-  }
-  Vec3 span() const { return here(*first_, first_at_) - here(*second_, second_at_); }
+  Vec3 span() const { return first_end_.position() - second_end_.position(); }
 
   /// In a tissue or on its surface; of a thread the nearest of its two ends.
-  EmbeddedPoint place(const Body& body, const char* attribute, const Vec3& p, Setup& setup) {
-    if (const auto* thread = dynamic_cast<const CurveBody*>(&body)) {
+  End find_end(const Body& body, const char* attribute, const Vec3& p, Setup& setup) {
+    End end{.thread = dynamic_cast<const CurveBody*>(&body),
+            .tissue = dynamic_cast<const SolidBody*>(&body)};
+    if (end.thread != nullptr) {
       const auto distance = [&](Real s) {
-        return (thread->point(s, Configuration::current) - p).norm();
+        return (end.thread->point(s, Configuration::current) - p).norm();
       };
-      return thread->embed(distance(0) < distance(thread->length()) ? 0 : thread->length());
+      const Real length = end.thread->length();
+      end.abscissa = distance(0) < distance(length) ? 0 : length;
+      return end;
     }
-    if (const auto* solid = dynamic_cast<const SolidBody*>(&body)) {
+    if (end.tissue != nullptr) {
       constexpr Real reach = 1e-4;  // what rounding may lift off the surface
-      if (const auto inside = solid->locate(p, Configuration::rest)) return *inside;
-      if (const auto near = solid->closest_surface(p, reach, Configuration::rest)) return near->at;
+      if (const auto inside = end.tissue->locate(p, Configuration::rest)) {
+        end.at = *inside;
+        return end;
+      }
+      if (const auto near = end.tissue->closest_surface(p, reach, Configuration::rest)) {
+        end.at = near->at;
+        return end;
+      }
     }
     setup.error(*this, std::string(attribute) + " lies outside of its body");
-    return {};
+    return end;
   }
 
   Link<Body> first_, second_;
@@ -98,7 +121,7 @@ class Staple : public Component, public ConstraintSource, public Drawing {
   Real pull_out_ = 1e6;
 
   Index source_id_ = 0;
-  EmbeddedPoint first_at_, second_at_;
+  End first_end_, second_end_;
   BlockId block_;
   Vec3 force_ = Vec3::Zero();
   Mode mode_ = StapleLaw::slack;

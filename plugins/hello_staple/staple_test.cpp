@@ -64,7 +64,7 @@ class OneRow : public Component, public ConstraintSource {
     const BlockId block = builder.add<Bilateral<1>>(make_key(source_id_, 0), {1 / stiffness_},
                                                     BlockVector<1>(span.norm()));
     PointJacobian J;
-    thread_->jacobian(thread_->embed(thread_->length()), J);
+    thread_->jacobian(thread_->length(), J);
     builder.couple(block, *thread_, along, J, end);
     tissue_->jacobian(at_, J);
     builder.couple(block, *tissue_, -along, J, anchor);

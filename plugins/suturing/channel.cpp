@@ -5,7 +5,7 @@
 
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::suturing {
 namespace {
 
 // In units of the spacing of samples.
@@ -230,4 +230,4 @@ void Channel::archive(Archive& a) {
   if (passed_ > samples_.size()) a.fail("more samples are on the thread than there are");
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

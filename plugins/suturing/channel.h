@@ -8,8 +8,10 @@
 #include "sutura/body.h"
 
 namespace sutura {
-
 class Archive;
+}
+
+namespace sutura::suturing {
 
 /// A point of the channel. `depth` is the length of channel between the mouth of its bite and it.
 struct PathSample {
@@ -91,4 +93,4 @@ class Channel {
   std::uint64_t next_id_ = 0;
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -5,7 +5,7 @@
 #include "cutting_law.h"
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 void Cutting::describe(Describe<Cutting>& d) {
   d.summary(
@@ -58,7 +58,7 @@ void Cutting::build(const StepContext&, ConstraintBuilder& builder) {
   const BlockVector<1> gap(ahead + forward.dot(end_motion - tip_motion));
   block_ = builder.add<CuttingLaw>(make_key(source_id_, 0), {.threshold = threshold(end)}, gap);
   PointJacobian J;
-  thread.jacobian(thread.embed(0), J);
+  thread.jacobian(0, J);
   builder.couple(block_, thread, -forward.transpose(), J, tip);
   tissue.jacobian(end, J);
   builder.couple(block_, tissue, forward.transpose(), J, tip);
@@ -68,4 +68,4 @@ void Cutting::commit(const StepContext&, const SolvedBlocks& solved) {
   if (block_.valid()) force_ = solved.lambda(block_)[0];
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

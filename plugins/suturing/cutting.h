@@ -4,7 +4,7 @@
 #include "region_thresholds.h"
 #include "suture_path.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 class Cutting : public Component, public ConstraintSource, private RegionThresholds {
   friend class RegionThresholds;  // describes its own attributes
@@ -28,4 +28,4 @@ class Cutting : public Component, public ConstraintSource, private RegionThresho
   Real force_ = 0;
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

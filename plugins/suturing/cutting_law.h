@@ -13,7 +13,7 @@
 
 #include "sutura/law.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 struct CuttingLaw {
   static constexpr int dim = 1;
@@ -45,4 +45,4 @@ struct CuttingLaw {
   }
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -6,7 +6,7 @@
 
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::suturing {
 namespace {
 
 constexpr int most_points = 16;
@@ -98,4 +98,4 @@ void Footprint::couple(ConstraintBuilder& builder, BlockId block, const SolidBod
   }
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -14,7 +14,7 @@
 
 #include "sutura/constraints.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 class Footprint {
  public:
@@ -43,4 +43,4 @@ class Footprint {
   Real compliance_ = 0;
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -7,7 +7,7 @@
 #include "path_friction_law.h"
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::suturing {
 namespace {
 
 /// Surface of a stretch of needle and of thread (m^2): both are cylinders, and meet at the swage.
@@ -170,4 +170,4 @@ void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
   }
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -7,7 +7,7 @@
 #include "path_friction_law.h"
 #include "suture_path.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 class PathFriction : public Component, public ConstraintSource {
  public:
@@ -58,4 +58,4 @@ class PathFriction : public Component, public ConstraintSource {
   Index sliding_ = 0;
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -24,7 +24,7 @@
 
 #include "sutura/law.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 struct PathFrictionLaw {
   static constexpr int dim = 1;
@@ -88,4 +88,4 @@ struct PathFrictionLaw {
   }
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -12,13 +12,13 @@
 namespace {
 
 void enrol_suturing(sutura::Registry& registry) {
-  registry.law<sutura::PunctureLaw>();
-  registry.law<sutura::CuttingLaw>();
-  registry.law<sutura::PathFrictionLaw>();
-  registry.component<sutura::SuturePath>("SuturePath");
-  registry.component<sutura::Cutting>("Cutting");
-  registry.component<sutura::Puncture>("Puncture");
-  registry.component<sutura::PathFriction>("PathFriction");
+  registry.law<sutura::suturing::PunctureLaw>();
+  registry.law<sutura::suturing::CuttingLaw>();
+  registry.law<sutura::suturing::PathFrictionLaw>();
+  registry.component<sutura::suturing::SuturePath>("SuturePath");
+  registry.component<sutura::suturing::Cutting>("Cutting");
+  registry.component<sutura::suturing::Puncture>("Puncture");
+  registry.component<sutura::suturing::PathFriction>("PathFriction");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "puncture_law.h"
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::suturing {
 namespace {
 
 // In units of `reach`.
@@ -248,7 +248,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
                                     PunctureLaw::pressing, {.force = params.puncture_force});
   const Directions world = Mat3::Identity();
   PointJacobian J;
-  thread.jacobian(thread.embed(0), J);
+  thread.jacobian(0, J);
   builder.couple(block_, thread, world, J, tip);
   footprint_.couple(builder, block_, tissue, -Mat3::Identity(), tip);
 }
@@ -293,4 +293,4 @@ void Puncture::begin_bite() {
   region_ = path_->tissue().region(touched_.at);
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -8,7 +8,7 @@
 #include "region_thresholds.h"
 #include "suture_path.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 class Puncture : public Component, public ConstraintSource, private RegionThresholds {
   friend class RegionThresholds;  // describes its own attributes
@@ -60,4 +60,4 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Real peak_force_ = 0;  ///< largest so far (N)
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

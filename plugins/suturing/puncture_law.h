@@ -28,7 +28,7 @@
 
 #include "sutura/laws/coulomb.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 struct PunctureLaw {
   static constexpr int dim = 3;
@@ -133,4 +133,4 @@ struct PunctureLaw {
   }
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace sutura {
+namespace sutura::suturing {
 
 void RegionThresholds::find_regions(const Component& who, Setup& setup, const SolidBody& tissue) {
   std::size_t count = 0;
@@ -31,4 +31,4 @@ Real RegionThresholds::threshold_of(int region, Real otherwise) const {
                                  : thresholds_[static_cast<std::size_t>(found - regions_.begin())];
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

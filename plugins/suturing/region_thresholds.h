@@ -8,7 +8,7 @@
 #include "sutura/body.h"
 #include "sutura/describe.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 /// Base of a component that has these two attributes.
 class RegionThresholds {
@@ -36,4 +36,4 @@ class RegionThresholds {
   std::vector<int> regions_;      ///< tags, of the names in the text
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -6,7 +6,7 @@
 #include "sutura/laws/bilateral.h"
 #include "sutura/units.h"
 
-namespace sutura {
+namespace sutura::suturing {
 namespace {
 
 constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
@@ -93,7 +93,7 @@ Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real befor
   c.axes.row(2) = tangent.cross(tangent.unitOrthogonal());
   c.gap = c.axes * (thread_->point(c.abscissa, now) - c.position);
   c.gap.x() += before - c.abscissa;
-  thread_->jacobian(thread_->embed(c.abscissa), c.thread);
+  thread_->jacobian(c.abscissa, c.thread);
   tissue_->jacobian(at, c.tissue);
   return c;
 }
@@ -165,4 +165,4 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   }
 }
 
-}  // namespace sutura
+}  // namespace sutura::suturing

@@ -10,7 +10,7 @@
 #include "sutura/constraints.h"
 #include "sutura/describe.h"
 
-namespace sutura {
+namespace sutura::suturing {
 
 /// Where the thread crosses one sample of the channel in this step. Made in `detect`, used by every
 /// source on the path.
@@ -74,4 +74,4 @@ class SuturePath : public Component, public ConstraintSource {
   Real lateral_gap_ = 0;    ///< largest distance thread - channel (m)
 };
 
-}  // namespace sutura
+}  // namespace sutura::suturing

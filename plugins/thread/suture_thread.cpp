@@ -143,18 +143,6 @@ void SutureThread::resample() {
       [&](Real s) { return section(s); });
 }
 
-Vec3 SutureThread::point(Real s, Configuration c) const {
-  return curve_point(rod_, s, c);
-}
-
-Vec3 SutureThread::position(const EmbeddedPoint& p, Configuration c) const {
-  return point(p.weights[0], c);
-}
-
-void SutureThread::jacobian(const EmbeddedPoint& p, PointJacobian& out) const {
-  curve_jacobian(rod_, p.weights[0], Configuration::current, out);
-}
-
 void SutureThread::solve(Eigen::Ref<MatX> columns) const {
   for (const Index node : rod_.clamped()) columns.middleRows<6>(6 * node).setZero();
   rod_.matrix().solve(columns);
@@ -172,13 +160,6 @@ std::string SutureThread::trouble() const {
 
 Real SutureThread::radius(Real s) const {
   return (s < shape_.needle_length ? needle_diameter : thread_diameter) / 2;
-}
-
-EmbeddedPoint SutureThread::embed(Real s) const {
-  EmbeddedPoint p;
-  p.element = place(rod_, s).beam;
-  p.weights[0] = std::clamp(s, 0., length());
-  return p;
 }
 
 Index SutureThread::add_hold(Real s) {

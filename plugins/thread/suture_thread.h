@@ -48,8 +48,6 @@ class SutureThread : public Component, public CurveBody {
   void begin_step(const StepContext& context) override;
   void linearise(const StepContext& context, const VecX& force) override;
   Eigen::Ref<const VecX> change() const override { return rod_.change(); }
-  Vec3 position(const EmbeddedPoint& p, Configuration c) const override;
-  void jacobian(const EmbeddedPoint& p, PointJacobian& out) const override;
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
@@ -71,8 +69,10 @@ class SutureThread : public Component, public CurveBody {
   Real length() const override { return shape_.length(); }
   Real needle_length() const override { return shape_.needle_length; }
   Real radius(Real s) const override;
-  EmbeddedPoint embed(Real s) const override;
-  Vec3 point(Real s, Configuration c) const override;
+  Vec3 point(Real s, Configuration c) const override { return curve_point(rod_, s, c); }
+  void jacobian(Real s, PointJacobian& out) const override {
+    curve_jacobian(rod_, s, Configuration::current, out);
+  }
   Vec3 tangent(Real s, Configuration c) const override { return curve_tangent(rod_, s, c); }
   Pose frame(Real s, Configuration c) const override { return curve_frame(rod_, s, c); }
   Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,

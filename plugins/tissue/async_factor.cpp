@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-namespace sutura {
+namespace sutura::tissue {
 
 bool SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   const auto start = std::chrono::steady_clock::now();
@@ -77,4 +77,4 @@ void FactorWorker::run() {
   }
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -14,7 +14,7 @@
 #include "factor.h"
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// The matrix of one step and the rotations of its nodes. Written by the simulation, then not
 /// changed until the factor made from it has been replaced.
@@ -74,4 +74,4 @@ class FactorWorker {
   std::thread thread_;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

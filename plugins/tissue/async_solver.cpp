@@ -4,7 +4,7 @@
 #include <cassert>
 #include <utility>
 
-namespace sutura {
+namespace sutura::tissue {
 
 AsyncSolver::~AsyncSolver() = default;
 
@@ -204,4 +204,4 @@ NodeCompliance AsyncSolver::compliance() const {
   return {&current_->tail, current_->place, warped_.turns()};
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -11,7 +11,7 @@
 #include "pcg.h"
 #include "tissue_solver.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// Step at which a factor was adopted, and the step of its snapshot.
 struct Adoption {
@@ -108,4 +108,4 @@ class AsyncSolver : public TissueSolver {
   bool renew_ = false;  ///< factorise the next matrix at once
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

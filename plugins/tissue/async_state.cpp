@@ -3,7 +3,7 @@
 #include "async_solver.h"
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 void NodeMatrix::archive(Archive& a) {
   const std::size_t size = values_.size();
@@ -59,7 +59,7 @@ void AsyncSolver::archive_job(Archive& a, std::shared_ptr<Snapshot>& snapshot) {
   }
   if (a.restoring())
     snapshot = std::make_shared<Snapshot>(Snapshot{NodeMatrix(pattern_), {}, {}, -1});
-  sutura::archive(a, *snapshot);
+  tissue::archive(a, *snapshot);
   snapshot->candidates.reserve(static_cast<std::size_t>(pattern_->nodes()));
 }
 
@@ -104,4 +104,4 @@ void AsyncSolver::archive(Archive& a) {
     submit(job_of(in_flight_));
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 #include "sutura/text.h"
 #include "tet_mesh.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 /// "-0.025 -0.015 -0.01  0.025 0.015 0 m", as 'box' would say it.
@@ -92,27 +92,29 @@ void Attach::initialise(Setup& setup) {
   }
   std::sort(selected_.begin(), selected_.end());
   selected_.erase(std::unique(selected_.begin(), selected_.end()), selected_.end());
+  HeldNodes& held = tissue->model().held;
   slides_ = !(along[0] && along[1] && along[2]);
-  if (!slides_) tissue->fix(selected_);
+  if (!slides_) held.fix(selected_);
   for (const Index node : selected_) {
     if (slides_)
       handles_.push_back(tissue->support(node, along));
     else if (motion)
-      handles_.push_back(tissue->carrier(node));
+      handles_.push_back(held.carrier(node, tissue->model().rest.segment<3>(3 * node)));
   }
 }
 
 void Attach::drive(const StepContext&) {
   if (!motion) return;
   const Pose pose = motion->pose();
+  TissueModel& model = tissue->model();
   for (std::size_t i = 0; i < selected_.size(); ++i) {
-    const Vec3 rest = tissue->rest_positions().segment<3>(3 * selected_[i]);
+    const Vec3 rest = model.rest.segment<3>(3 * selected_[i]);
     const Vec3 target = pose.position + pose.rotation * rest;
     if (slides_)
-      tissue->carry_support(handles_[i], target);
+      model.held.carry_support(handles_[i], target);
     else
-      tissue->carry(handles_[i], target);
+      model.held.carry(handles_[i], target);
   }
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 #include "sutura/tool.h"
 #include "tissue.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class Attach : public Component, public Driver {
  public:
@@ -31,4 +31,4 @@ class Attach : public Component, public Driver {
   std::vector<Index> handles_;  ///< of supports, or of carriers; one per node
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -7,7 +7,7 @@
 
 #include "lanes.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 NodePattern::NodePattern(Index nodes, std::span<const std::array<Index, 2>> pairs) {
   std::vector<std::array<Index, 2>> all;
@@ -124,4 +124,4 @@ void NodeMatrix::multiply(const VecX& x, VecX& y) const {
   }
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

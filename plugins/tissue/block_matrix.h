@@ -10,8 +10,10 @@
 #include "sutura/types.h"
 
 namespace sutura {
-
 class Archive;
+}
+
+namespace sutura::tissue {
 
 /// Which blocks exist. Only i <= j is stored: by rows, columns ascending, so the diagonal block is
 /// the first of its row. Immutable, shared between a matrix, its copies and its factors.
@@ -66,4 +68,4 @@ class NodeMatrix {
   std::vector<Real> values_;  ///< 9 per slot, and one more: rows are read four numbers at a time
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sutura {
+namespace sutura::tissue {
 
 namespace {
 
@@ -145,4 +145,4 @@ MeshData BlockMesh::build(const std::array<Vec3, 8>& corner, const std::array<In
   return mesh;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -3,7 +3,7 @@
 
 #include "tet_mesh.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class BlockMesh : public TetMesh {
  public:
@@ -19,4 +19,4 @@ class BlockMesh : public TetMesh {
   MeshData build(const std::array<Vec3, 8>& corner, const std::array<Index, 3>& n) const;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

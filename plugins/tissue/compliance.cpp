@@ -6,7 +6,7 @@
 #include "sutura/growing.h"
 #include "tissue_solver.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 constexpr Index never = std::numeric_limits<Index>::min() / 2;
@@ -168,4 +168,4 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
   return static_cast<Index>(outside.size());
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

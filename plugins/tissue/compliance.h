@@ -14,7 +14,7 @@
 #include "sutura/body.h"
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class TissueSolver;
 
@@ -57,4 +57,4 @@ class Candidates {
 Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
                             Eigen::Ref<MatX> W);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

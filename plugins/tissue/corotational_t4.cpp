@@ -7,7 +7,7 @@
 #include "strain.h"
 #include "twist_stiffness.h"
 
-namespace sutura {
+namespace sutura::tissue {
 CorotationalT4::CorotationalT4(const std::vector<Vec3>& rest, const std::vector<Tet>& tets) {
   sorted_.reserve(tets.size());
   for (Tet t : tets) {
@@ -174,4 +174,4 @@ Real CorotationalT4::energy(const VecX& x) const {
   return total;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

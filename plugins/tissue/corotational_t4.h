@@ -9,7 +9,7 @@
 #include "mesh_data.h"
 #include "rotation.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class CorotationalT4 final : public ElasticModel {
  public:
@@ -47,4 +47,4 @@ class CorotationalT4 final : public ElasticModel {
   std::vector<std::array<Index, 4>> sorted_;  ///< nodes of each tet, ascending
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -1,6 +1,6 @@
 #include "dense_inverse.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 void DenseInverse::compute(const MatX& lower, MatX& inverse) {
   const Index n = lower.rows();
@@ -27,4 +27,4 @@ void DenseInverse::compute(const MatX& lower, MatX& inverse) {
   inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

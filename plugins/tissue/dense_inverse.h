@@ -5,7 +5,7 @@
 
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class DenseInverse {
  public:
@@ -24,4 +24,4 @@ class DenseInverse {
   MatX inverse_of_lower_;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -5,7 +5,7 @@
 
 #include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
                                 std::span<const char> fixed, std::span<const Index> candidates) {
@@ -95,4 +95,4 @@ std::unique_ptr<TissueSolver> make_direct_solver() {
   return std::make_unique<SynchronousSolver>();
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

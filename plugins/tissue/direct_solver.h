@@ -10,7 +10,7 @@
 #include "pcg.h"
 #include "tissue_solver.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class SynchronousSolver : public TissueSolver {
  public:
@@ -52,4 +52,4 @@ class SynchronousSolver : public TissueSolver {
   TissueSolveReport report_;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -7,7 +7,7 @@
 #include "block_matrix.h"
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// Isotropic material of one region.
 struct Material {
@@ -40,4 +40,4 @@ class ElasticModel {
   virtual Real energy(const VecX& x) const = 0;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

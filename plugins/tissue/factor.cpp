@@ -6,7 +6,7 @@
 
 #include "factor_plan.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 /// Adjacency lists of the vertices with `number` >= 0, by number.
@@ -195,4 +195,4 @@ std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan) {
   return make_eigen_factor(std::move(plan));
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 #include "block_matrix.h"
 #include "sutura/growing.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 enum class FactorBackend { cholmod, eigen };
 
@@ -59,4 +59,4 @@ std::span<const Index> tail_nodes(const FactorPlan& plan);
 /// Symbolic analysis; `backend` as in the plan.
 std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

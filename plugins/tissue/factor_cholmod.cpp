@@ -17,7 +17,7 @@ extern "C" int openblas_get_num_threads() __attribute__((weak));
 extern "C" int omp_get_max_active_levels() __attribute__((weak));
 extern "C" void omp_set_max_active_levels(int) __attribute__((weak));
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 /// No parallel region opens while this lives; a setting of the calling worker, put back after.
@@ -272,6 +272,6 @@ std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<const FactorPlan> pl
   return std::make_unique<CholmodFactor>(std::move(plan));
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue
 
 #endif

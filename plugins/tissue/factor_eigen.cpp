@@ -5,7 +5,7 @@
 #include "dense_inverse.h"
 #include "factor_plan.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 class EigenFactor : public Factor {
@@ -67,4 +67,4 @@ std::unique_ptr<Factor> make_eigen_factor(std::shared_ptr<const FactorPlan> plan
   return std::make_unique<EigenFactor>(std::move(plan));
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -11,7 +11,7 @@
 #include <mutex>
 #endif
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 std::vector<std::int32_t> minimum_degree(const std::vector<std::int32_t>& start,
@@ -54,4 +54,4 @@ std::vector<std::int32_t> fill_reducing_order(const std::vector<std::int32_t>& s
   return minimum_degree(start, neighbour);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 
 #include "factor.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class FactorPlan {
  public:
@@ -49,4 +49,4 @@ std::unique_ptr<Factor> make_eigen_factor(std::shared_ptr<const FactorPlan> plan
 std::vector<std::int32_t> fill_reducing_order(const std::vector<std::int32_t>& start,
                                               const std::vector<std::int32_t>& neighbour);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -3,7 +3,7 @@
 
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 inline constexpr int lanes = 4;
 using Lanes = Real __attribute__((vector_size(lanes * sizeof(Real))));
@@ -22,4 +22,4 @@ inline Real choose(bool m, Real a, Real b) {
   return m ? a : b;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -3,7 +3,7 @@
 #include "material_limits.h"
 #include "tet_mesh.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 void Layer::describe(Describe<Layer>& d) {
   d.summary("The material of one region of a tissue, in place of the tissue's own.");
@@ -26,4 +26,4 @@ void Layer::initialise(Setup& setup) {
     setup.warning(*this, "poisson is " + format_real(poisson) + ", where " + too_stiff);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -6,7 +6,7 @@
 #include "sutura/describe.h"
 #include "tissue.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class Layer : public Component {
  public:
@@ -20,4 +20,4 @@ class Layer : public Component {
   void initialise(Setup& setup) override;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

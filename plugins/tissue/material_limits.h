@@ -8,7 +8,7 @@
 #include "sutura/describe.h"
 #include "sutura/units.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 inline constexpr Range young_range{.low = 1e-3, .high = 1e15};    // Pa
 inline constexpr Range density_range{.low = 1e-12, .high = 1e9};  // kg/m^3
@@ -33,4 +33,4 @@ inline void doubt_material(const Component& who, Setup& setup, const Material& m
                            " kg/m^3, and soft tissue has about 1000; is the unit right?");
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 constexpr Real sliver_quality = 0.05;
@@ -189,4 +189,4 @@ CheckedMesh check_mesh(MeshData& mesh, bool assumed_metres) {
   return out;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

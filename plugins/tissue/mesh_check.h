@@ -7,7 +7,7 @@
 
 #include "mesh_data.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// A triangle of the boundary, counterclockwise seen from outside, and the tet behind it.
 struct BoundaryFace {
@@ -38,4 +38,4 @@ struct CheckedMesh {
 /// the boundary. `assumed_metres`: no unit was given, so guess whether millimetres were meant.
 CheckedMesh check_mesh(MeshData& mesh, bool assumed_metres);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -15,7 +15,7 @@
 #include "mesh_file.h"
 #include "sutura/text.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class MeshCursor {
  public:
@@ -158,4 +158,4 @@ MeshData read_gmsh(MeshCursor& in);
 MeshData read_vtk_legacy(MeshCursor& in);
 MeshData read_vtu(std::string_view bytes);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

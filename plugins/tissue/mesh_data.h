@@ -9,7 +9,7 @@
 
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 using Tet = std::array<Index, 4>;
 using Triangle = std::array<Index, 3>;
@@ -49,4 +49,4 @@ inline Real six_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   return (b - a).cross(c - a).dot(d - a);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -5,7 +5,7 @@
 
 #include "mesh_cursor.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 MeshData read_any(std::string_view bytes) {
@@ -51,4 +51,4 @@ MeshReading read_mesh(const std::filesystem::path& file) {
   return read_mesh_text(bytes);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

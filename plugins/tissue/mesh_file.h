@@ -12,7 +12,7 @@
 
 #include "mesh_data.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 struct MeshProblem {
   int line = 0;  ///< 1-based; 0 if no line can be named
@@ -32,4 +32,4 @@ inline constexpr std::uintmax_t max_mesh_bytes = std::uintmax_t{1} << 31;
 MeshReading read_mesh(const std::filesystem::path& file);
 MeshReading read_mesh_text(std::string_view bytes);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

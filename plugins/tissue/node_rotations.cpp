@@ -2,7 +2,7 @@
 
 #include "rotation.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 void node_rotations(const MeshData& mesh, const VecX& x, std::vector<Mat3>& rotations) {
   rotations.assign(mesh.points.size(), Mat3::Zero());
@@ -17,4 +17,4 @@ void node_rotations(const MeshData& mesh, const VecX& x, std::vector<Mat3>& rota
   for (Mat3& R : rotations) R = nearest_rotation(R / R.norm());
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace sutura {
+namespace sutura::tissue {
 
 void clear_fixed(std::span<const char> fixed, Eigen::Ref<MatX> columns) {
   for (std::size_t i = 0; i < fixed.size(); ++i)
@@ -197,4 +197,4 @@ void RecentSolutions::add(const NodeMatrix& A, std::span<const char> fixed, cons
   count_ = std::min(count_ + 1, most);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -11,7 +11,7 @@
 #include "factor.h"
 #include "sutura/growing.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class Preconditioner {
  public:
@@ -95,4 +95,4 @@ class RecentSolutions {
 /// Zeroes the rows of fixed nodes.
 void clear_fixed(std::span<const char> fixed, Eigen::Ref<MatX> columns);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

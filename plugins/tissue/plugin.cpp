@@ -12,14 +12,14 @@
 namespace {
 
 void enrol(sutura::Registry& registry) {
-  registry.component<sutura::TetMesh>("TetMesh");
-  registry.component<sutura::BlockMesh>("BlockMesh");
-  registry.component<sutura::Tissue>("Tissue");
-  registry.component<sutura::Layer>("Layer");
-  registry.component<sutura::Attach>("Attach");
-  registry.component<sutura::TissueLoad>("TissueLoad");
-  registry.component<sutura::TissueProbe>("TissueProbe");
-  sutura::enrol_tissue_solvers(registry);
+  registry.component<sutura::tissue::TetMesh>("TetMesh");
+  registry.component<sutura::tissue::BlockMesh>("BlockMesh");
+  registry.component<sutura::tissue::Tissue>("Tissue");
+  registry.component<sutura::tissue::Layer>("Layer");
+  registry.component<sutura::tissue::Attach>("Attach");
+  registry.component<sutura::tissue::TissueLoad>("TissueLoad");
+  registry.component<sutura::tissue::TissueProbe>("TissueProbe");
+  sutura::tissue::enrol_tissue_solvers(registry);
 }
 
 }  // namespace

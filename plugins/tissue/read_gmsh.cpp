@@ -8,7 +8,7 @@
 
 #include "mesh_cursor.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 constexpr int type_tet = 4;
@@ -304,4 +304,4 @@ MeshData read_gmsh(MeshCursor& in) {
   return GmshReader(in).read();
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-namespace sutura {
+namespace sutura::tissue {
 
 void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
   const auto points = static_cast<long long>(mesh.points.size());
@@ -330,4 +330,4 @@ MeshData read_vtk_legacy(MeshCursor& in) {
   return LegacyReader(in).read();
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

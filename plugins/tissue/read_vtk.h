@@ -8,7 +8,7 @@
 
 #include "mesh_cursor.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 inline constexpr int vtk_tetra = 10;
 inline constexpr int vtk_quadratic_tetra = 24;
@@ -35,4 +35,4 @@ struct VtkCells {
 /// Keeps the tets. Throws MeshProblem at `line` for a bad index or a higher-order tet.
 void take_tets(const VtkCells& cells, int line, MeshData& mesh);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

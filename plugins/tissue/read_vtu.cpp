@@ -9,7 +9,7 @@
 
 #include "read_vtk.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using tinyxml2::XMLElement;
@@ -385,4 +385,4 @@ MeshData read_vtu(std::string_view bytes) {
   return VtuReader(bytes).read();
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -3,7 +3,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 
-namespace sutura {
+namespace sutura::tissue {
 
 Mat3 rotation_by_svd(const Mat3& F) {
   if (!F.allFinite()) return Mat3::Identity();
@@ -20,4 +20,4 @@ Mat3 nearest_rotation(const Mat3& F) {
   return Eigen::Map<const Mat3>(r.data());
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -6,7 +6,7 @@
 #include "lanes.h"
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// argmax tr(R^T F) over rotations, through the singular values: right for every F, also singular
 /// or inverted ones, and slow. Where several rotations are equally near (F = 0, say) it takes one
@@ -77,4 +77,4 @@ auto rotation_closed_form(const Small3<S>& F, Small3<S>& R) {
 /// For one matrix: closed form where it is accurate, singular values elsewhere.
 Mat3 nearest_rotation(const Mat3& F);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sutura {
+namespace sutura::tissue {
 
 std::optional<CornerBox> box_of(const std::vector<Real>& numbers, const TetMesh& mesh,
                                 std::string& error) {
@@ -45,4 +45,4 @@ std::optional<Selection> select(const TetMesh& mesh, const std::vector<Real>& bo
   return out;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

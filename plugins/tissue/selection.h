@@ -8,7 +8,7 @@
 
 #include "tet_mesh.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// An axis-parallel box, a little larger than written: corners and coordinates may come from
 /// different units, and the rounding of a conversion is forgiven.
@@ -34,4 +34,4 @@ struct Selection {
 std::optional<Selection> select(const TetMesh& mesh, const std::vector<Real>& box,
                                 const std::string& region, std::string& error);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

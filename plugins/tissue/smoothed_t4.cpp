@@ -10,7 +10,7 @@
 #include "strain.h"
 #include "twist_stiffness.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 SmoothedT4::SmoothedT4(const std::vector<Vec3>& rest, const std::vector<Tet>& tets)
     : node_count_(static_cast<Index>(rest.size())), tets_(tets) {
@@ -291,4 +291,4 @@ Real SmoothedT4::energy(const VecX& x) const {
   return total;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -17,7 +17,7 @@
 #include "mesh_data.h"
 #include "rotation.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class SmoothedT4 final : public ElasticModel {
  public:
@@ -81,4 +81,4 @@ class SmoothedT4 final : public ElasticModel {
   mutable Stressed work_;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -6,7 +6,7 @@
 
 #include "sutura/geometry/distances.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 template <class Items>
@@ -243,4 +243,4 @@ std::optional<SurfacePoint> SolidQueries::crossing(const Vec3& a, const Vec3& b,
   return s;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -11,7 +11,7 @@
 #include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/triangle_surface.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// What does not depend on the positions: trees and adjacency, made on the rest shape.
 class SolidTopology {
@@ -79,4 +79,4 @@ class SolidQueries {
   mutable std::vector<Vec3> vertex_normal_, edge_normal_;  ///< not normalised; vertices by node
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -4,7 +4,7 @@
 
 #include "sutura/registry.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 const std::vector<std::string> backend_words{"auto", "cholmod", "eigen"};
@@ -98,4 +98,4 @@ void enrol_tissue_solvers(Registry& registry) {
   registry.component<AsyncPreconditioner>("AsyncPreconditioner");
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

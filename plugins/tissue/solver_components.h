@@ -8,7 +8,7 @@
 #include "sutura/component.h"
 #include "sutura/describe.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 enum class BackendChoice { automatic, cholmod, eigen };
 
@@ -35,4 +35,4 @@ class AsyncPreconditioner : public Component, public AsyncSolver {
   void archive(Archive& archive) override { AsyncSolver::archive(archive); }
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -4,7 +4,7 @@
 #include "lanes.h"
 #include "rotation.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// R of four gradients; the lanes that the closed form refuses go one by one through the SVD.
 inline void rotations(const Small3<Lanes>& F, Small3<Lanes>& R) {
@@ -30,4 +30,4 @@ inline void biot_strain(const Small3<Lanes>& F, const Small3<Lanes>& R, Lanes (&
   E[5] = 0.5 * (dot(1, 2) + dot(2, 1));
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -5,7 +5,7 @@
 #include "mesh_file.h"
 #include "sutura/units.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 Real metres(TetMesh::Unit unit) {
@@ -78,4 +78,4 @@ std::optional<int> TetMesh::region(const std::string& name_or_tag, std::string& 
   return {};
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -6,7 +6,7 @@
 #include "sutura/component.h"
 #include "sutura/describe.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class TetMesh : public Component {
  public:
@@ -34,4 +34,4 @@ class TetMesh : public Component {
   CheckedMesh checked_;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

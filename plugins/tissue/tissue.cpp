@@ -7,8 +7,9 @@
 #include "smoothed_t4.h"
 #include "sutura/archive.h"
 #include "sutura/scene.h"
+#include "tissue_statics.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 constexpr std::size_t most_tets = 1000000;  // some 4 GB with matrix and factor
@@ -45,13 +46,13 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.output("reaction", "N", "Force with which all attachments together hold the tissue.",
            [](const Tissue& t) -> Vec3 {
              Vec3 sum = Vec3::Zero();
-             for (Index i = 0; i < t.dofs(); i += 3) sum += t.reaction_.segment<3>(i);
+             for (Index i = 0; i < t.dofs(); i += 3) sum += t.step_->reaction().segment<3>(i);
              return sum;
            });
   d.output("lowest", "m", "Height z of the lowest node.",
-           [](const Tissue& t) -> Real { return t.lowest().z(); });
+           [](const Tissue& t) -> Real { return lowest_node(t.positions()).z(); });
   d.output("max_displacement", "m", "Largest distance of a node from its rest position.",
-           [](const Tissue& t) -> Real { return t.max_displacement(); });
+           [](const Tissue& t) -> Real { return max_displacement(t.model_, t.positions()); });
   d.output("energy", "J", "Kinetic plus elastic energy.",
            [](const Tissue& t) -> Real { return t.energy(); });
   d.output("kinetic_energy", "J", "Kinetic energy.",
@@ -61,7 +62,7 @@ void Tissue::describe(Describe<Tissue>& d) {
   d.output("momentum", "kg m/s", "Linear momentum.",
            [](const Tissue& t) -> Vec3 { return t.momentum(); });
   d.output("linearisations", "1", "Linearisations in the last step.",
-           [](const Tissue& t) -> Real { return static_cast<Real>(t.linearisations_); });
+           [](const Tissue& t) -> Real { return static_cast<Real>(t.step_->linearisations()); });
   d.output(
       "analyses", "1",
       "Times a step chose the order of elimination anew, because constraints touch other nodes.",
@@ -97,83 +98,125 @@ void Tissue::initialise(Setup& setup) {
                                   std::to_string(most_tets));
   doubt(setup);
   const Index n = static_cast<Index>(data.points.size());
-  rest_.resize(3 * n);
-  for (Index i = 0; i < n; ++i) rest_.segment<3>(3 * i) = data.points[i];
-  x_ = start_x_ = linearised_at_ = rest_;
-  v_ = start_v_ = change_ = elastic_force_ = missing_ = reaction_ = VecX::Zero(3 * n);
-  fixed_.assign(data.points.size(), 0);
+  model_.mesh = &data;
+  model_.rest.resize(3 * n);
+  for (Index i = 0; i < n; ++i) model_.rest.segment<3>(3 * i) = data.points[i];
   for (const Tet& t : data.tets)
     for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < a; ++b) edge_length_ += (data.points[t[a]] - data.points[t[b]]).norm();
-  edge_length_ /= 6 * static_cast<Real>(data.tets.size());
-
+      for (int b = 0; b < a; ++b)
+        model_.edge_length += (data.points[t[a]] - data.points[t[b]]).norm();
+  model_.edge_length /= 6 * static_cast<Real>(data.tets.size());
   if (element == TissueElement::smoothed)
-    elastic_ = std::make_unique<SmoothedT4>(data.points, data.tets);
+    model_.elastic = std::make_unique<SmoothedT4>(data.points, data.tets);
   else
-    elastic_ = std::make_unique<CorotationalT4>(data.points, data.tets);
-  A_ = std::make_unique<NodeMatrix>(n, elastic_->pairs());
-  elastic_->bind(*A_->pattern());
+    model_.elastic = std::make_unique<CorotationalT4>(data.points, data.tets);
+  model_.held = HeldNodes(n);
+  model_.young = young;
+  model_.damping_mass = damping_mass;
+  model_.damping_stiffness = damping_stiffness;
+
+  own_solver_ = solver ? nullptr : make_direct_solver();
+  solver_ = solver ? solver.get() : own_solver_.get();
+  step_.emplace(model_, *solver_, load());
   update_materials();
 
   const auto topology =
       std::make_shared<const SolidTopology>(data.points, data.tets, mesh->boundary());
   queries_.assign(3, SolidQueries(topology));
-  for (SolidQueries& q : queries_) q.move(rest_);
-
-  own_solver_ = solver ? nullptr : make_direct_solver();
-  solver_ = solver ? solver.get() : own_solver_.get();
+  for (SolidQueries& q : queries_) q.move(model_.rest);
 }
 
-/// Every Layer and Attach has spoken. The factor that the first step needs is made here: the first
-/// step finds the same matrix again.
+/// Every Layer and Attach has spoken.
 void Tissue::ready(Setup& setup) {
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
-  solver_->analyse(A_->pattern(), fixed_, {});
-  assemble({.dt = setup.dt, .gravity = setup.gravity});
+  step_->prepare(setup.dt);
 }
 
 void Tissue::archive(Archive& a) {
-  const Index size = dofs();
-  a("positions", x_);
-  a("velocities", v_);
-  a("reaction", reaction_);
-  a("linearisations", linearisations_);
-  a("assembled_for", assembled_for_);  // another length of step renews the factor
-  a("at_work", at_work_);              // how well the first pass has to be solved
+  step_->archive(a);
   if (own_solver_) own_solver_->archive(a);
-  if (!a.restoring() || !a.ok()) return;
-  if (x_.size() != size || v_.size() != size || reaction_.size() != size)
-    return a.fail("the state of another mesh");
-  set_state(x_, v_);
+  if (a.restoring() && a.ok()) set_state(positions(), velocities());
+}
+
+void Tissue::set_state(const VecX& x, const VecX& v) {
+  step_->set_state(x, v);
+  move_queries(Configuration::current, step_->positions());
 }
 
 bool Tissue::set_material(int region, const Material& material) {
-  if (!materials_.emplace(region, material).second) return false;
+  if (!layers_.emplace(region, material).second) return false;
   update_materials();
   return true;
 }
 
 void Tissue::update_materials() {
-  const MeshData& data = mesh->data();
-  mass_.assign(data.points.size(), 0);
-  tet_material_.clear();
+  const MeshData& data = *model_.mesh;
+  model_.mass.assign(data.points.size(), 0);
+  model_.materials.clear();
   for (std::size_t e = 0; e < data.tets.size(); ++e) {
-    const auto layer = materials_.find(data.region[e]);
+    const auto layer = layers_.find(data.region[e]);
     const Material material =
-        layer != materials_.end() ? layer->second : Material{young, poisson, density};
-    tet_material_.push_back(material);
+        layer != layers_.end() ? layer->second : Material{young, poisson, density};
+    model_.materials.push_back(material);
     const Tet& t = data.tets[e];
     const Real volume =
         six_volume(data.points[t[0]], data.points[t[1]], data.points[t[2]], data.points[t[3]]) / 6;
-    for (const Index i : t) mass_[i] += material.density * volume / 4;
+    for (const Index i : t) model_.mass[i] += material.density * volume / 4;
   }
-  elastic_->set_materials(tet_material_);
+  model_.elastic->set_materials(model_.materials);
   start_moving();
 }
 
-void Tissue::fix(const std::vector<Index>& nodes) {
-  for (const Index i : nodes) fixed_[i] = 1;
+/// Called again when a layer changes the masses, and with them their centre.
+void Tissue::start_moving() {
+  if (velocity.isZero(0) && spin.isZero(0)) return;
+  const Vec3 centre = centre_of_mass();
+  VecX v(dofs());
+  for (Index i = 0; i < dofs(); i += 3)
+    v.segment<3>(i) = velocity + spin.cross(model_.rest.segment<3>(i) - centre);
+  step_->set_state(model_.rest, v);
+}
+
+Index Tissue::support(Index node, const std::array<bool, 3>& along) {
+  Real stiffest = young;
+  for (const auto& [region, material] : layers_) stiffest = std::max(stiffest, material.young);
+  return model_.held.support(node, along, model_.rest.segment<3>(3 * node),
+                             1e6 * stiffest * model_.edge_length);
+}
+
+Vec3 Tissue::reaction(const std::vector<Index>& nodes) const {
+  Vec3 sum = Vec3::Zero();
+  for (const Index i : nodes) sum += step_->reaction().segment<3>(3 * i);
+  return sum;
+}
+
+std::string Tissue::settle(const Vec3& gravity) {
+  if (!model_.held.any())
+    return "nothing holds this tissue, so it has no balance; it needs an Attach";
+  VecX x = positions();
+  const VecX no_load = VecX::Zero(dofs());
+  const std::string trouble =
+      tissue::settle(model_, load().size() == dofs() ? load() : no_load, gravity, x);
+  set_state(x, VecX::Zero(dofs()));
+  step_->renew();
+  return trouble;
+}
+
+void Tissue::begin_step(const StepContext& context) {
+  step_->begin(context);
+  move_queries(Configuration::start, step_->start_positions());
+  move_queries(Configuration::current, step_->positions());
+}
+
+void Tissue::correct(const StepContext& context, const VecX& force_change) {
+  step_->correct(context, force_change);
+  move_queries(Configuration::current, step_->positions());
+}
+
+std::string Tissue::fault() const {
+  const Index n = inverted();
+  return n == 0 ? ""
+                : std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") +
+                      " turned inside out";
 }
 
 Vec3 Tissue::position(const EmbeddedPoint& p, Configuration c) const {
@@ -214,7 +257,7 @@ EmbeddedPoint Tissue::on_surface(Index triangle, const Vec3& weights) const {
   return queries(Configuration::rest).topology().on_surface(triangle, weights);
 }
 Elasticity Tissue::elasticity(const EmbeddedPoint& p) const {
-  const Material& m = tet_material_[static_cast<std::size_t>(p.element)];
+  const Material& m = model_.materials[static_cast<std::size_t>(p.element)];
   return {m.young, m.poisson};
 }
 
@@ -226,4 +269,4 @@ int Tissue::region(const EmbeddedPoint& p) const {
   return mesh->data().region[p.element];
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -1,71 +1,61 @@
-// What a tissue shows: sums over its state, and fields for recorders.
+#include "tissue_fields.h"
+
 #include <Eigen/Eigenvalues>  // operatorNorm
 #include <cmath>
 
 #include "rotation.h"
-#include "tissue.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
-Vec3 Tissue::reaction(const std::vector<Index>& nodes) const {
-  Vec3 sum = Vec3::Zero();
-  for (const Index i : nodes) sum += reaction_.segment<3>(3 * i);
+Real sum(std::span<const Real> values) {
+  Real sum = 0;
+  for (const Real value : values) sum += value;
   return sum;
 }
 
-Index Tissue::inverted() const {
+Vec3 momentum(const TissueModel& model, const VecX& v) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < model.mass.size(); ++i)
+    sum += model.mass[i] * v.segment<3>(3 * static_cast<Index>(i));
+  return sum;
+}
+
+Vec3 centre_of_mass(const TissueModel& model, const VecX& x) {
+  return momentum(model, x) / sum(model.mass);  // the same sum, of positions
+}
+
+Real kinetic_energy(const TissueModel& model, const VecX& v) {
+  Real kinetic = 0;
+  for (std::size_t i = 0; i < model.mass.size(); ++i)
+    kinetic += 0.5 * model.mass[i] * v.segment<3>(3 * static_cast<Index>(i)).squaredNorm();
+  return kinetic;
+}
+
+Index inverted_tets(const TissueModel& model, const VecX& x) {
   Index count = 0;
-  for (const Tet& t : mesh->data().tets)
-    if (!(six_volume(x_.segment<3>(3 * t[0]), x_.segment<3>(3 * t[1]), x_.segment<3>(3 * t[2]),
-                     x_.segment<3>(3 * t[3])) > 0))
+  for (const Tet& t : model.mesh->tets)
+    if (!(six_volume(x.segment<3>(3 * t[0]), x.segment<3>(3 * t[1]), x.segment<3>(3 * t[2]),
+                     x.segment<3>(3 * t[3])) > 0))
       ++count;
   return count;
 }
 
-Real Tissue::max_displacement() const {
+Real max_displacement(const TissueModel& model, const VecX& x) {
   Real most = 0;
-  for (Index i = 0; i < dofs(); i += 3)
-    most = std::max(most, (x_.segment<3>(i) - rest_.segment<3>(i)).norm());
+  for (Index i = 0; i < model.dofs(); i += 3)
+    most = std::max(most, (x.segment<3>(i) - model.rest.segment<3>(i)).norm());
   return most;
 }
 
-Vec3 Tissue::lowest() const {
+Vec3 lowest_node(const VecX& x) {
   Index best = 0;
-  for (Index i = 3; i < dofs(); i += 3)
-    if (x_[i + 2] < x_[best + 2]) best = i;
-  return x_.segment<3>(best);
+  for (Index i = 3; i < x.size(); i += 3)
+    if (x[i + 2] < x[best + 2]) best = i;
+  return x.segment<3>(best);
 }
 
-Vec3 Tissue::momentum() const {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    sum += mass_[i] * v_.segment<3>(3 * static_cast<Index>(i));
-  return sum;
-}
-
-Real Tissue::mass() const {
-  Real sum = 0;
-  for (const Real m : mass_) sum += m;
-  return sum;
-}
-
-Real Tissue::kinetic_energy() const {
-  Real kinetic = 0;
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    kinetic += 0.5 * mass_[i] * v_.segment<3>(3 * static_cast<Index>(i)).squaredNorm();
-  return kinetic;
-}
-
-Real Tissue::elastic_energy() const {
-  return elastic_->energy(x_);
-}
-
-bool Tissue::finite() const {
-  return x_.allFinite() && v_.allFinite() && std::isfinite(at_work_);
-}
-
-BodyGeometry Tissue::geometry() const {
-  const MeshData& data = mesh->data();
+BodyGeometry geometry(const TissueModel& model, const VecX& x, const VecX& v) {
+  const MeshData& data = *model.mesh;
   BodyGeometry g;
   g.cell = BodyGeometry::Cell::tetrahedron;
   BodyGeometry::Field displacement{"displacement [m]", false, 3, {}},
@@ -74,21 +64,21 @@ BodyGeometry Tissue::geometry() const {
       strain{"largest stretch", true, 1, {}};
   for (std::size_t i = 0; i < data.points.size(); ++i) {
     const Index k = 3 * static_cast<Index>(i);
-    g.points.push_back(x_.segment<3>(k));
+    g.points.push_back(x.segment<3>(k));
     for (Index c = k; c < k + 3; ++c) {
-      displacement.values.push_back(x_[c] - rest_[c]);
-      velocity.values.push_back(v_[c]);
+      displacement.values.push_back(x[c] - model.rest[c]);
+      velocity.values.push_back(v[c]);
     }
-    held.values.push_back(fixed_[i]);
+    held.values.push_back(model.held.is_fixed(static_cast<Index>(i)) ? 1 : 0);
   }
   for (std::size_t e = 0; e < data.tets.size(); ++e) {
     const Tet& t = data.tets[e];
     g.connectivity.insert(g.connectivity.end(), t.begin(), t.end());
     region.values.push_back(data.region[e]);
-    const Mat3 F = deformation_gradient(t, data.points, x_);
+    const Mat3 F = deformation_gradient(t, data.points, x);
     const Mat3 S = nearest_rotation(F).transpose() * F;
     const Mat3 deviator = 0.5 * (S + S.transpose()) - S.trace() / 3 * Mat3::Identity();
-    stress.values.push_back(2 * tet_material_[e].lame_mu() * std::sqrt(1.5) * deviator.norm());
+    stress.values.push_back(2 * model.materials[e].lame_mu() * std::sqrt(1.5) * deviator.norm());
     strain.values.push_back(std::sqrt((F.transpose() * F).operatorNorm()));
   }
   g.fields = {std::move(displacement), std::move(velocity), std::move(held),
@@ -96,4 +86,4 @@ BodyGeometry Tissue::geometry() const {
   return g;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

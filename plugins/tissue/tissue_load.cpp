@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-namespace sutura {
+namespace sutura::tissue {
 
 void TissueLoad::describe(Describe<TissueLoad>& d) {
   using T = TissueLoad;
@@ -119,4 +119,4 @@ void TissueLoad::drive(const StepContext& context) {
   if (pressure_ != 0) add_pressure(factor_ * pressure_);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 #include "sutura/simulation.h"
 #include "tissue.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class TissueLoad : public Component, public Driver {
  public:
@@ -36,4 +36,4 @@ class TissueLoad : public Component, public Driver {
   Real factor_ = 0;
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -5,7 +5,7 @@
 #include "rotation.h"
 #include "selection.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 Vec3 diagonal(const Mat3& m) {
@@ -34,7 +34,7 @@ void TissueProbe::describe(Describe<TissueProbe>& d) {
   d.output("position", "m", "Where the point, or the middle of the part, is.",
            [](const T& p) { return p.position(); });
   d.output("displacement", "m", "How far it is from its place at rest.", [](const T& p) -> Vec3 {
-    return p.mean(p.tissue_->positions()) - p.mean(p.tissue_->rest_positions());
+    return p.mean(p.tissue_->positions()) - p.mean(p.tissue_->model().rest);
   });
   d.output("velocity", "m/s", "Its velocity.",
            [](const T& p) { return p.mean(p.tissue_->velocities()); });
@@ -121,7 +121,7 @@ Mat3 TissueProbe::mean(Mat3 (TissueProbe::*of_tet)(Index) const) const {
 
 Mat3 TissueProbe::strain(Index tet) const {
   const Tet& t = tissue_->mesh->data().tets[static_cast<std::size_t>(tet)];
-  const Mat3 F = deformation_gradient(t, tissue_->rest_positions(), tissue_->positions());
+  const Mat3 F = deformation_gradient(t, tissue_->model().rest, tissue_->positions());
   const Mat3 U = nearest_rotation(F).transpose() * F;
   return 0.5 * (U + U.transpose()) - Mat3::Identity();
 }
@@ -135,4 +135,4 @@ Mat3 TissueProbe::stress(Index tet) const {
   return 2 * m.lame_mu() * e + m.lame_lambda() * e.trace() * Mat3::Identity();
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

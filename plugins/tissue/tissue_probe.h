@@ -7,7 +7,7 @@
 #include "sutura/probe.h"
 #include "tissue.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 class TissueProbe : public Component, public PointProbe {
  public:
@@ -36,4 +36,4 @@ class TissueProbe : public Component, public PointProbe {
   std::vector<Share> nodes_, tets_;  ///< weights add up to 1
 };
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -10,6 +10,10 @@
 #include "sutura/types.h"
 
 namespace sutura {
+class Registry;
+}
+
+namespace sutura::tissue {
 
 /// What the solver did in this step.
 struct TissueSolveReport {
@@ -65,12 +69,10 @@ class TissueSolver {
   virtual void archive(Archive& archive) = 0;
 };
 
-class Registry;
-
 /// What a tissue uses that names no solver: factorises the matrix of every step.
 std::unique_ptr<TissueSolver> make_direct_solver();
 
 /// The components of this room that implement TissueSolver.
 void enrol_tissue_solvers(Registry& registry);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -1,187 +1,205 @@
-// The motion of a tissue in a step: implicit Euler,
-//   M (v - v_start) = h (f(x_start + h v) + M g - B v + p),   B = alpha M + beta K,
-// f elastic, p constraint forces. At a guess v, with A = M + h B + h^2 K,
-//   A dv = r + h p,   r = M (v_start - v) + h (f(x) + M g - B v).
+#include "tissue_step.h"
+
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "node_rotations.h"
-#include "tissue.h"
+#include "sutura/archive.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
-std::string Tissue::trouble() const {
+TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load)
+    : model_(model),
+      solver_(solver),
+      load_(load),
+      x_(model.rest),
+      v_(VecX::Zero(model.dofs())),
+      start_x_(x_),
+      start_v_(v_),
+      force_(v_),
+      missing_(v_),
+      change_(v_),
+      A_(model.dofs() / 3, model.elastic->pairs()),
+      linearised_at_(x_),
+      reaction_(v_) {
+  model_.elastic->bind(*A_.pattern());
+}
+
+void TissueStep::prepare(Real dt) {
+  model_.held.clear_fixed(v_);
+  solver_.analyse(A_.pattern(), model_.held.fixed(), {});
+  assemble(dt, 0);
+}
+
+std::string TissueStep::trouble() const {
   std::string text;
   const auto add = [&text](const std::string& clause) {
     if (clause.empty() || text.find(clause) != std::string::npos) return;
     text += (text.empty() ? "" : "; ") + clause;
   };
   add(solver_trouble_);
-  add(solver_->report().message);
+  add(solver_.report().message);
   if (!finite()) add("the state is no longer finite");
   return text;
 }
 
-std::string Tissue::fault() const {
-  const Index n = inverted();
-  return n == 0 ? ""
-                : std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") +
-                      " turned inside out";
+bool TissueStep::finite() const {
+  return x_.allFinite() && v_.allFinite() && std::isfinite(at_work_);
 }
 
-void Tissue::move_queries(Configuration c, const VecX& x) {
-  queries_[static_cast<std::size_t>(c)].move(x);
-}
-
-void Tissue::set_state(const VecX& x, const VecX& v) {
-  assert(x.size() == dofs() && v.size() == dofs());
+void TissueStep::set_state(const VecX& x, const VecX& v) {
+  assert(x.size() == model_.dofs() && v.size() == model_.dofs());
   x_ = x;
   v_ = v;
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    if (fixed_[i]) v_.segment<3>(3 * static_cast<Index>(i)).setZero();
-  move_queries(Configuration::current, x_);
+  model_.held.clear_fixed(v_);
+}
+
+void TissueStep::archive(Archive& a) {
+  a("positions", x_);
+  a("velocities", v_);
+  a("reaction", reaction_);
+  a("linearisations", linearisations_);
+  a("assembled_for", assembled_for_);  // another length of step renews the factor
+  a("at_work", at_work_);              // how well the first pass has to be solved
+  if (!a.restoring() || !a.ok()) return;
+  const Index size = model_.dofs();
+  if (x_.size() != size || v_.size() != size || reaction_.size() != size)
+    a.fail("the state of another mesh");
 }
 
 /// The first guess: on as before.
-void Tissue::begin_step(const StepContext& context) {
+void TissueStep::begin(const StepContext& context) {
   if (!in_step_) {
     start_x_ = x_;
     start_v_ = v_;
-    move_queries(Configuration::start, start_x_);
     in_step_ = true;
   }
   v_ = start_v_;
   // A fixed node keeps the velocity that it has: so it is given the one that leads to its target.
-  for (const Carried& c : carried_)
-    v_.segment<3>(3 * c.node) = (c.target - start_x_.segment<3>(3 * c.node)) / context.dt;
+  model_.held.set_velocities(start_x_, context.dt, v_);
   x_ = start_x_ + context.dt * v_;
-  move_queries(Configuration::current, x_);
   linearisations_ = 0;
   solver_trouble_.clear();
 }
 
 /// A and f at the guess.
-void Tissue::assemble(const StepContext& context) {
-  const Real h = context.dt;
-  A_->set_zero();
-  elastic_force_.setZero();
-  elastic_->linearise(x_, h * h + h * damping_stiffness, *A_, elastic_force_);
-  stiffen_supports(h * h + h * damping_stiffness);
+void TissueStep::assemble(Real h, Index step) {
+  A_.set_zero();
+  force_.setZero();
+  const Real stiffness_share = h * h + h * model_.damping_stiffness;
+  model_.elastic->linearise(x_, stiffness_share, A_, force_);
+  model_.held.add_stiffness(stiffness_share, A_);
   add_outer_forces();
-  A_->add_diagonal(mass_, 1 + h * damping_mass);
+  A_.add_diagonal(model_.mass, 1 + h * model_.damping_mass);
   linearised_at_ = x_;
-  if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_->report().message;
+  if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_.report().message;
   ++linearisations_;
-  if (solver_->wants_rotations()) node_rotations(mesh->data(), x_, node_rotations_);
-  if (h != assembled_for_) solver_->renew();
+  if (solver_.wants_rotations()) node_rotations(*model_.mesh, x_, node_rotations_);
+  if (h != assembled_for_) solver_.renew();
   assembled_for_ = h;
-  solver_->prepare(*A_, node_rotations_, context.step);
+  solver_.prepare(A_, node_rotations_, step);
 }
 
-/// missing_ <- r at the guess, with the elastic force that is known there.
-void Tissue::balance(const StepContext& context) {
-  const Real h = context.dt, alpha = damping_mass, beta = damping_stiffness;
+/// Beside the elastic force at x: that of supports and loads.
+void TissueStep::add_outer_forces() {
+  model_.held.add_force(x_, force_);
+  if (load_.size() == model_.dofs()) force_ += load_;
+}
+
+/// missing_ <- r at the guess, with the force that is known there.
+void TissueStep::balance(const StepContext& context) {
+  const Real h = context.dt, alpha = model_.damping_mass, beta = model_.damping_stiffness;
   // h beta K v = beta / (h + beta) (A v - (1 + h alpha) M v): K itself is never formed.
   const Real share = beta / (h + beta);
-  product_.setZero(dofs());
-  if (beta > 0) A_->multiply(v_, product_);
-  for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
+  product_.setZero(model_.dofs());
+  if (beta > 0) A_.multiply(v_, product_);
+  for (Index i = 0; i < static_cast<Index>(model_.mass.size()); ++i) {
     const auto v = v_.segment<3>(3 * i);
     missing_.segment<3>(3 * i) =
-        mass_[i] * (start_v_.segment<3>(3 * i) - v + h * (context.gravity - alpha * v) +
-                    share * (1 + h * alpha) * v) +
-        h * elastic_force_.segment<3>(3 * i) - share * product_.segment<3>(3 * i);
+        model_.mass[i] * (start_v_.segment<3>(3 * i) - v + h * (context.gravity - alpha * v) +
+                          share * (1 + h * alpha) * v) +
+        h * force_.segment<3>(3 * i) - share * product_.segment<3>(3 * i);
   }
 }
 
-Real Tissue::moved_since_linearised() const {
+Real TissueStep::moved_since_linearised() const {
   Real most = 0;
-  for (Index i = 0; i < dofs(); i += 3)
+  for (Index i = 0; i < model_.dofs(); i += 3)
     most = std::max(most, (x_.segment<3>(i) - linearised_at_.segment<3>(i)).squaredNorm());
   return std::sqrt(most);
 }
 
 /// A^-1 of a momentum that is missing, to a thousandth: a pass leaves more than that by being
 /// linear. Less than 1e-7 of the forces at work is rounding.
-void Tissue::solve_what_matters(const StepContext& context, VecX& momentum) {
-  for (std::size_t i = 0; i < fixed_.size(); ++i)
-    if (fixed_[i]) momentum.segment<3>(3 * static_cast<Index>(i)).setZero();
-  const Real size = momentum.norm(), rounding = 1e-7 * context.dt * at_work_;
+void TissueStep::solve_what_matters(Real dt, VecX& momentum) {
+  model_.held.clear_fixed(momentum);
+  const Real size = momentum.norm(), rounding = 1e-7 * dt * at_work_;
   if (size <= rounding)
     momentum.setZero();
   else
-    solver_->solve(momentum, std::max(rounding, 1e-3 * size));  // also if it is not finite
+    solver_.solve(momentum, std::max(rounding, 1e-3 * size));  // also if it is not finite
 }
 
-void Tissue::linearise(const StepContext& context, const VecX& force) {
+void TissueStep::linearise(const StepContext& context, const VecX& force) {
   // A turns with the material: as long as nothing has moved by much of an element it may stay.
   constexpr Real small = 0.02;  // of the mean edge
-  if (linearisations_ == 0 || !(moved_since_linearised() < small * edge_length_)) {
-    assemble(context);
+  if (linearisations_ == 0 || !(moved_since_linearised() < small * model_.edge_length)) {
+    assemble(context.dt, context.step);
     balance(context);
   }
   change_ = missing_ + context.dt * force;
-  solve_what_matters(context, change_);
+  solve_what_matters(context.dt, change_);
 }
 
-void Tissue::solve(Eigen::Ref<MatX> columns) const {
-  solver_->solve(columns);
-}
-
-void Tissue::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
-  add_tissue_compliance(*solver_, rows, dt, W);
-}
-
-void Tissue::correct(const StepContext& context, const VecX& force_change) {
+void TissueStep::correct(const StepContext& context, const VecX& force_change) {
   const Real h = context.dt;
   v_ += change_;
   if (!force_change.isZero(0)) {
-    rhs_ = h * force_change;
-    solve_what_matters(context, rhs_);
-    v_ += rhs_;
+    answer_ = h * force_change;
+    solve_what_matters(h, answer_);
+    v_ += answer_;
   }
   x_ = start_x_ + h * v_;
-  move_queries(Configuration::current, x_);
-  elastic_force_.setZero();
-  elastic_->add_force(x_, elastic_force_);
+  force_.setZero();
+  model_.elastic->add_force(x_, force_);
   add_outer_forces();
   balance(context);
 }
 
-Imbalance Tissue::imbalance(const StepContext& context, const VecX& force) {
+Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
   const Real h = context.dt;
   Imbalance worst;
   // Sums of squares over the nodes: what is missing, and what is at work.
   Real missing = 0, pushed = force.squaredNorm(), weight = 0, inertia = 0, reaction = 0;
-  for (Index i = 0; i < static_cast<Index>(mass_.size()); ++i) {
+  for (Index i = 0; i < static_cast<Index>(model_.mass.size()); ++i) {
     Vec3 r = missing_.segment<3>(3 * i) / h + force.segment<3>(3 * i);
-    if (fixed_[static_cast<std::size_t>(i)]) {
+    if (model_.held.is_fixed(i)) {
       reaction += r.squaredNorm();
       continue;
     }
     // Along a support what is left is its rounding: a gap a million times smaller than any other.
-    if (!supports_.empty()) r = r.cwiseProduct(slides_.segment<3>(3 * i));
+    r = model_.held.along_free(i, r);
     missing += r.squaredNorm();
     if (!(r.norm() <= worst.force)) worst.force = r.norm();
-    weight += (mass_[i] * context.gravity).squaredNorm();
-    inertia += (mass_[i] / h * (v_ - start_v_).segment<3>(3 * i)).squaredNorm();
+    weight += (model_.mass[i] * context.gravity).squaredNorm();
+    inertia += (model_.mass[i] / h * (v_ - start_v_).segment<3>(3 * i)).squaredNorm();
   }
-  for (const Support& s : supports_) reaction += support_force(s).squaredNorm();
-  const Real rounding = 1e-9 * young * edge_length_ * edge_length_;
+  reaction += model_.held.squared_force(x_);
+  const Real rounding = 1e-9 * model_.young * model_.edge_length * model_.edge_length;
   at_work_ = std::sqrt(std::max({pushed, weight, inertia, reaction})) + rounding;
   worst.relative = std::sqrt(missing) / at_work_;
   return worst;
 }
 
-void Tissue::end_step(const StepContext& context, const VecX& force) {
+void TissueStep::end(const StepContext& context, const VecX& force) {
   reaction_.setZero();
-  for (std::size_t i = 0; i < fixed_.size(); ++i) {
-    const auto n = 3 * static_cast<Index>(i);
-    if (fixed_[i])
-      reaction_.segment<3>(n) = -missing_.segment<3>(n) / context.dt - force.segment<3>(n);
-  }
-  for (const Support& s : supports_) reaction_.segment<3>(3 * s.node) += support_force(s);
+  for (Index i = 0; i < model_.dofs() / 3; ++i)
+    if (model_.held.is_fixed(i))
+      reaction_.segment<3>(3 * i) =
+          -missing_.segment<3>(3 * i) / context.dt - force.segment<3>(3 * i);
+  model_.held.add_force(x_, reaction_);
   in_step_ = false;
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -2,7 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace sutura {
+namespace sutura::tissue {
 
 void twist_stiffness(const Lanes (&E)[6], const Lanes& mu, const Lanes& lambda, Lanes (&G)[6]) {
   // N = tr S I - S, its inverse by cofactors.
@@ -63,4 +63,4 @@ void turn_symmetric(const Lanes* R, Lanes (&G)[6]) {
   G[5] = entry(1, 2);
 }
 
-}  // namespace sutura
+}  // namespace sutura::tissue

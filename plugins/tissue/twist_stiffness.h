@@ -15,7 +15,7 @@
 #include "lanes.h"
 #include "sutura/types.h"
 
-namespace sutura {
+namespace sutura::tissue {
 
 /// G times volume, entries xx yy zz xy xz yz, from the strain E = S - I (same order) and moduli
 /// times volume. `mu` is that of the term 2 mu |S - I|^2 and `lambda` that of the trace.
@@ -47,4 +47,4 @@ inline void add_twist(const Lanes (&G)[6], const Lanes* ra, const Lanes* rb, Lan
 /// R G R^T.
 void turn_symmetric(const Lanes* R, Lanes (&G)[6]);
 
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -129,12 +129,15 @@ int main(int argc, char** argv) {
       std::snprintf(name, sizeof(name), "synthetic %d samples %.2f N", samples, pull);
       cases.push_back(settle(name, std::move(p)));
     }
-  const LawOperations* const laws[] = {
-      &law_operations<Bilateral<1>>, &law_operations<Bilateral<2>>,
-      &law_operations<Bilateral<3>>, &law_operations<Bilateral<6>>,
-      &law_operations<Unilateral>,   &law_operations<Coulomb>,
-      &law_operations<PunctureLaw>,  &law_operations<PathFrictionLaw>,
-      &law_operations<CuttingLaw>};
+  const LawOperations* const laws[] = {&law_operations<Bilateral<1>>,
+                                       &law_operations<Bilateral<2>>,
+                                       &law_operations<Bilateral<3>>,
+                                       &law_operations<Bilateral<6>>,
+                                       &law_operations<Unilateral>,
+                                       &law_operations<Coulomb>,
+                                       &law_operations<suturing::PunctureLaw>,
+                                       &law_operations<suturing::PathFrictionLaw>,
+                                       &law_operations<suturing::CuttingLaw>};
   for (int i = 2; i < argc; ++i) {
     ConstraintProblem p;
     if (const std::string error = read_problem(argv[i], laws, p); !error.empty()) {

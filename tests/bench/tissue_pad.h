@@ -16,6 +16,8 @@
 
 namespace sutura::bench {
 
+using namespace tissue;
+
 /// Milliseconds of this worker's own time, and of the wall. Beside other work the first is the
 /// fairer.
 struct Clock {

@@ -7,6 +7,7 @@
 #include "mesh_file.h"
 
 using namespace sutura;
+using namespace sutura::tissue;
 
 namespace {
 

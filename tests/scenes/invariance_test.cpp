@@ -194,7 +194,7 @@ class TurnedStitch {
 
   /// `solver`: XML in place of the scene's tissue solver, or none.
   Trace run(const View& view, Index steps, const std::string& solver = {}) {
-    MeshData mesh = mesh_;
+    tissue::MeshData mesh = mesh_;
     for (Vec3& p : mesh.points) p = view.point(p);
     test::write_msh(mesh, folder_ / "pad.msh");
     std::string bed;
@@ -253,7 +253,7 @@ class TurnedStitch {
   }
   static constexpr const char* source = SUTURA_SOURCE_DIR "/scenes/suture/first_stitch.xml";
   std::filesystem::path folder_;
-  MeshData mesh_;
+  tissue::MeshData mesh_;
 };
 
 TEST(FirstStitch, IsTheSameFromEverySide) {

@@ -9,9 +9,10 @@ PunctureCount punctures(const ConstraintProblem& start, const ConstraintProblem&
   PunctureCount out;
   for (std::size_t i = 0; i < solved.blocks.size(); ++i) {
     const ConstraintBlock& b = solved.blocks[i];
-    if (std::string_view(b.law->name) != PunctureLaw::name || b.mode == start.blocks[i].mode)
+    if (std::string_view(b.law->name) != suturing::PunctureLaw::name ||
+        b.mode == start.blocks[i].mode)
       continue;
-    const auto& q = *static_cast<const PunctureLaw::Params*>(solved.block_params(b));
+    const auto& q = *static_cast<const suturing::PunctureLaw::Params*>(solved.block_params(b));
     if (!q.hold)
       ++out.exits;  // nothing in front of the tip is left to hold it
     else if ((q.normal + q.axis).norm() < 1e-9)

@@ -157,7 +157,7 @@ void RandomScene::draw_path() {
 std::filesystem::path RandomScene::write(const std::filesystem::path& folder,
                                          const View& view) const {
   const std::string name = "scene" + std::to_string(seed);
-  MeshData mesh = mesh_;
+  tissue::MeshData mesh = mesh_;
   for (Vec3& p : mesh.points) p = view.point(p);
   test::write_msh(mesh, folder / (name + ".msh"));
   const std::filesystem::path file = folder / (name + ".xml");

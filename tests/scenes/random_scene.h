@@ -46,7 +46,7 @@ struct RandomScene {
   struct Draw;  // the generator of random numbers, only while drawing
   Draw* draw_ = nullptr;
 
-  MeshData mesh_;
+  tissue::MeshData mesh_;
   std::vector<Real> held_;  // nodes of the base
   Real element_ = 0;        // edge of a cell of the mesh (m)
   bool smoothed_ = false, layered_ = false, gravity_ = false;

@@ -126,7 +126,7 @@ ThirdLaw third_law(const Simulation& simulation, const ConstraintProblem& p) {
       }
       out.off_curve = std::max(out.off_curve, off);
       if (f.norm() > 0) out.gap = std::max(out.gap, (at - c.mean).norm());
-    } else if (is(b, PathFrictionLaw::name)) {
+    } else if (is(b, suturing::PathFrictionLaw::name)) {
       // One row shows its lever arm only; a sample too close to the tip has no other rows.
       const Vec3 along = a.force.col(0), moment = a.moment.col(0);
       const auto known = on_thread.find(sample(b));
@@ -162,8 +162,8 @@ Real ForceTolerance::of(const ConstraintBlock& b, Real drag) const {
 namespace {
 
 Real drag_of(const ConstraintProblem& p, const ConstraintBlock& b) {
-  if (const auto* q = params_of<PunctureLaw>(p, b)) return q->drag;
-  if (const auto* q = params_of<PathFrictionLaw>(p, b)) return q->viscous;
+  if (const auto* q = params_of<suturing::PunctureLaw>(p, b)) return q->drag;
+  if (const auto* q = params_of<suturing::PathFrictionLaw>(p, b)) return q->viscous;
   return 0;
 }
 
@@ -180,7 +180,8 @@ Real outside_admissible(const ConstraintProblem& p, const ForceTolerance& tolera
     const VecX l = p.lambda.segment(b.first_row, b.law->dim),
                d = p.delta.segment(b.first_row, b.law->dim);
     if (!l.allFinite()) note(b, INFINITY);
-    if (const auto* q = params_of<PunctureLaw>(p, b); q && b.mode == PunctureLaw::pressing) {
+    if (const auto* q = params_of<suturing::PunctureLaw>(p, b);
+        q && b.mode == suturing::PunctureLaw::pressing) {
       const Real n = q->normal.dot(l.head<3>());
       note(b, -n);
       note(b, n - q->puncture_force);
@@ -190,11 +191,12 @@ Real outside_admissible(const ConstraintProblem& p, const ForceTolerance& tolera
       note(b, -r);
       note(b, r - (q->cutting_force + q->drag * slid));
       if (!q->hold) note(b, (l.head<3>() + r * q->axis).norm());
-    } else if (const auto* cut = params_of<CuttingLaw>(p, b)) {
+    } else if (const auto* cut = params_of<suturing::CuttingLaw>(p, b)) {
       note(b, -l[0]);
       note(b, l[0] - cut->threshold);
-    } else if (const auto* drag = params_of<PathFrictionLaw>(p, b)) {
-      const Real level = b.mode == PathFrictionLaw::stick ? drag->static_level : drag->kinetic;
+    } else if (const auto* drag = params_of<suturing::PathFrictionLaw>(p, b)) {
+      const Real level =
+          b.mode == suturing::PathFrictionLaw::stick ? drag->static_level : drag->kinetic;
       note(b, std::abs(l[0]) - (level + drag->viscous * std::abs(d[0])));
     }
   }
@@ -222,7 +224,8 @@ Real off_graph(const ConstraintProblem& p, const ForceTolerance& tolerance, std:
     };
     if (const auto* hold = params_of<Bilateral<2>>(p, b)) {
       note(b, (d + hold->compliance * l).norm());
-    } else if (const auto* q = params_of<PunctureLaw>(p, b); q && b.mode == PunctureLaw::pressing) {
+    } else if (const auto* q = params_of<suturing::PunctureLaw>(p, b);
+               q && b.mode == suturing::PunctureLaw::pressing) {
       const Real n = q->normal.dot(l.head<3>()), gap = q->normal.dot(d.head<3>());
       clamp(gap, n, q->puncture_force);
       if (n > margin)
@@ -231,10 +234,11 @@ Real off_graph(const ConstraintProblem& p, const ForceTolerance& tolerance, std:
       const Real r = -q->axis.dot(l.head<3>()), slid = q->axis.dot(d.head<3>());
       if (q->hold) note(b, (d.head<3>() - slid * q->axis).norm());
       clamp(-slid, r, q->cutting_force + q->drag * std::max(slid, Real(0)));
-    } else if (const auto* cut = params_of<CuttingLaw>(p, b)) {
+    } else if (const auto* cut = params_of<suturing::CuttingLaw>(p, b)) {
       clamp(d[0], l[0], cut->threshold);
-    } else if (const auto* drag = params_of<PathFrictionLaw>(p, b)) {
-      const Real level = b.mode == PathFrictionLaw::stick ? drag->static_level : drag->kinetic;
+    } else if (const auto* drag = params_of<suturing::PathFrictionLaw>(p, b)) {
+      const Real level =
+          b.mode == suturing::PathFrictionLaw::stick ? drag->static_level : drag->kinetic;
       friction(d, l, level + drag->viscous * std::abs(d[0]));
     }
   }

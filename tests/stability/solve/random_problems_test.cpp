@@ -18,7 +18,7 @@ namespace {
 
 struct Scene {
   ConstraintProblem problem;
-  std::vector<PunctureLaw::Params> tips;
+  std::vector<suturing::PunctureLaw::Params> tips;
 };
 
 /// 5 to 40 blocks of all laws; bodies of very different compliance share the rows.
@@ -37,7 +37,7 @@ Scene random_scene(std::uint64_t seed, const Mat3& turn = Mat3::Identity(), Real
   for (int i = 0; i < blocks; ++i) {
     const Real kind = uniform(random);
     if (kind < 0.3) {
-      PunctureLaw::Params q;
+      suturing::PunctureLaw::Params q;
       q.normal = unit_vector();
       q.axis = (-q.normal + 0.3 * unit_vector()).normalized();
       q.puncture_force = 0.2 + uniform(random);
@@ -45,22 +45,23 @@ Scene random_scene(std::uint64_t seed, const Mat3& turn = Mat3::Identity(), Real
       q.friction = 0.2 * uniform(random);
       q.normal = turn * q.normal;
       q.axis = turn * q.axis;
-      append<PunctureLaw>(p, q, PunctureLaw::pressing, units);
+      append<suturing::PunctureLaw>(p, q, suturing::PunctureLaw::pressing, units);
       scene.tips.push_back(q);
       world_axes.push_back(true);
     } else if (kind < 0.6) {
       const Real level = 0.05 * uniform(random);
-      append<PathFrictionLaw>(p,
-                              {.static_level = level * 1.3,
-                               .kinetic = level,
-                               .viscous = uniform(random) < 0.5 ? 0 : 2 * uniform(random) / unit,
-                               .stick_slip = 1e-6 * unit},
-                              PathFrictionLaw::stick, units);
+      append<suturing::PathFrictionLaw>(
+          p,
+          {.static_level = level * 1.3,
+           .kinetic = level,
+           .viscous = uniform(random) < 0.5 ? 0 : 2 * uniform(random) / unit,
+           .stick_slip = 1e-6 * unit},
+          suturing::PathFrictionLaw::stick, units);
     } else if (kind < 0.75) {
       append<Bilateral<3>>(p, {}, 0, units);
       world_axes.push_back(true);
     } else if (kind < 0.85) {
-      append<CuttingLaw>(p, {.threshold = 0.3 * uniform(random)}, 0, units);
+      append<suturing::CuttingLaw>(p, {.threshold = 0.3 * uniform(random)}, 0, units);
     } else if (kind < 0.95) {
       append<Unilateral>(p, {}, 0, units);
     } else {
@@ -88,17 +89,20 @@ Scene random_scene(std::uint64_t seed, const Mat3& turn = Mat3::Identity(), Real
 void expect_admissible(const ConstraintProblem& p) {
   for (const ConstraintBlock& b : p.blocks) {
     const VecX l = p.lambda.segment(b.first_row, b.law->dim);
-    if (b.law == &law_operations<PathFrictionLaw>) {
-      const auto& q = *static_cast<const PathFrictionLaw::Params*>(p.block_params(b));
-      const Real level = b.mode == PathFrictionLaw::stick ? q.static_level : q.kinetic;
+    if (b.law == &law_operations<suturing::PathFrictionLaw>) {
+      const auto& q = *static_cast<const suturing::PathFrictionLaw::Params*>(p.block_params(b));
+      const Real level = b.mode == suturing::PathFrictionLaw::stick ? q.static_level : q.kinetic;
       EXPECT_LE(std::abs(l[0]), level + q.viscous * std::abs(p.delta[b.first_row]) + 1e-6);
-    } else if (b.law == &law_operations<CuttingLaw>) {
+    } else if (b.law == &law_operations<suturing::CuttingLaw>) {
       EXPECT_GE(l[0], -1e-6);
-      EXPECT_LE(l[0], static_cast<const CuttingLaw::Params*>(p.block_params(b))->threshold + 1e-6);
+      EXPECT_LE(
+          l[0],
+          static_cast<const suturing::CuttingLaw::Params*>(p.block_params(b))->threshold + 1e-6);
     } else if (b.law == &law_operations<Unilateral>) {
       EXPECT_GE(l[0], -1e-6);
-    } else if (b.law == &law_operations<PunctureLaw> && b.mode == PunctureLaw::pressing) {
-      const auto& q = *static_cast<const PunctureLaw::Params*>(p.block_params(b));
+    } else if (b.law == &law_operations<suturing::PunctureLaw> &&
+               b.mode == suturing::PunctureLaw::pressing) {
+      const auto& q = *static_cast<const suturing::PunctureLaw::Params*>(p.block_params(b));
       const Real n = q.normal.dot(l.head<3>());
       EXPECT_GE(n, -1e-6);
       EXPECT_LE(n, q.puncture_force + 1e-6);
@@ -149,8 +153,8 @@ TEST(RandomProblems, RotationAndUnitOfLengthChangeNothing) {
       ASSERT_TRUE(BlockGaussSeidel({.tolerance = 1e-6}).solve(*p).converged) << seed;
     for (std::size_t i = 0; i < a.blocks.size(); ++i) {
       const ConstraintBlock& block = a.blocks[i];
-      const bool world =
-          block.law == &law_operations<PunctureLaw> || block.law == &law_operations<Bilateral<3>>;
+      const bool world = block.law == &law_operations<suturing::PunctureLaw> ||
+                         block.law == &law_operations<Bilateral<3>>;
       VecX l = a.lambda.segment(block.first_row, block.law->dim);
       EXPECT_LT((c.lambda.segment(block.first_row, block.law->dim) - l).norm(), 1e-5) << seed;
       if (world) l.head<3>() = Vec3(turn * l.head<3>());

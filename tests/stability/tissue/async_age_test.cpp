@@ -7,7 +7,7 @@
 #include "../../unit/tissue/solver_fixture.h"
 #include "pcg.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 constexpr Real degree = std::numbers::pi / 180;
@@ -111,4 +111,4 @@ TEST(StaleFactor, TheSolutionDoesNotDependOnTheAge) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -8,7 +8,7 @@
 #include "tissue_meshes.h"
 #include "tissue_scene.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -144,4 +144,4 @@ TEST(AsyncTorture, StepsOf50Milliseconds) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -12,7 +12,7 @@
 #include "async_solver.h"
 #include "direct_solver.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using testing::Swing;
@@ -262,4 +262,4 @@ TEST(Worker, AFlungBodyCostsNoIterations) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

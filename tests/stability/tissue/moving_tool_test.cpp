@@ -9,7 +9,7 @@
 #include "tissue_meshes.h"
 #include "tissue_scene.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 constexpr Real radius = 8e-3, depth = 4e-3, speed = 0.1;  // m, m, m/s
@@ -104,4 +104,4 @@ TEST(MovingTool, AnOldComplianceCostsPassesNotAccuracy) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -7,7 +7,7 @@
 #include "tissue_meshes.h"
 #include "tissue_scene.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::TissueScene;
@@ -46,9 +46,9 @@ TEST(Report, AHealthyRunSaysNothing) {
 TEST(Report, AFailedFactorisationOfTheDirectSolver) {
   ReportScene s("");
   EXPECT_TRUE(s.scene->step().messages.empty());
-  s.scene->tissue().damping_stiffness = -0.02;
+  s.scene->tissue().model().damping_stiffness = -0.02;
   EXPECT_TRUE(s.step_says("the matrix is not positive definite"));
-  s.scene->tissue().damping_stiffness = 0;
+  s.scene->tissue().model().damping_stiffness = 0;
   EXPECT_FALSE(s.step_says("positive definite"));  // of the last step only
 }
 
@@ -60,7 +60,7 @@ TEST(Report, AFailedFactorisationOfTheWorker) {
                 {.passes = 1, .substeps = 1});
   int failed_at = -1;
   for (int i = 0; i < 12; ++i) {
-    s.scene->tissue().damping_stiffness = i >= 4 && i <= 5 ? -0.02 : 0;
+    s.scene->tissue().model().damping_stiffness = i >= 4 && i <= 5 ? -0.02 : 0;
     if (s.step_says("is not positive definite: keeping the older factor") && i > 5) failed_at = i;
     EXPECT_TRUE(s.scene->simulation().report().finite);
   }
@@ -113,4 +113,4 @@ TEST(Report, InvertedElementsAreCounted) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 #include "tissue_meshes.h"
 #include "tissue_scene.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -44,7 +44,7 @@ struct BlockScene {
   }
   /// Takes the rotation of a free body as a whole off its velocity; returns its angular speed.
   Real remove_spin() {
-    const std::vector<Real>& mass = tissue().node_mass();
+    const std::vector<Real>& mass = tissue().model().mass;
     const VecX x = tissue().positions();
     VecX v = tissue().velocities();
     Vec3 centre = Vec3::Zero(), momentum = Vec3::Zero();
@@ -223,14 +223,14 @@ TEST_P(NearlyIncompressible, BlockHangsStill) {
                          x.segment<3>(3 * t[3])) /
               6;
   record("volume_change", volume / 1.6e-5 - 1);
-  record("lowest_mm", 1e3 * block.tissue().lowest().z());
+  record("lowest_mm", 1e3 * lowest_node(block.tissue().positions()).z());
   record("speed_left_m_per_s", block.tissue().velocities().cwiseAbs().maxCoeff());
   // The law keeps the trace of S - I near zero ((1 - 2 nu) stress / E = 4e-6), not det S: a stretch
   // e loses a volume of 3/4 e^2, here with e growing linearly along the block, 3/4 * 4/3 of the
   // mean stretch squared, and some for its held end.
-  const Real stretch = -block.tissue().lowest().z() / 0.04;
+  const Real stretch = -lowest_node(block.tissue().positions()).z() / 0.04;
   EXPECT_LT(std::abs(volume / 1.6e-5 - 1), 1.5 * stretch * stretch);
-  EXPECT_LT(block.tissue().lowest().z(), 0);
+  EXPECT_LT(lowest_node(block.tissue().positions()).z(), 0);
   EXPECT_LT(block.tissue().velocities().cwiseAbs().maxCoeff(), 1e-9);
 }
 INSTANTIATE_TEST_SUITE_P(Elements, NearlyIncompressible, ::testing::Values("t4", "smoothed"));
@@ -251,10 +251,10 @@ TEST(Stability, RegionsOneAMillionTimesStiffer) {
   // The soft upper half carries its own weight and that of the rigid lower half: nu = 0, sides
   // free, so the corotational column stretches linearly by rho g L^2 (1/2 + 1) / E over its 20 mm.
   const Real expected = 1000 * 9.81 * 0.02 * 0.02 * 1.5 / 1e3;
-  record("elongation_over_exact", -block.tissue().lowest().z() / expected);
+  record("elongation_over_exact", -lowest_node(block.tissue().positions()).z() / expected);
   record("reaction_over_weight",
          std::get<Vec3>(block.scene->output("/tissue", "reaction")).z() / (0.016 * 9.81));
-  EXPECT_NEAR(-block.tissue().lowest().z() / expected, 1,
+  EXPECT_NEAR(-lowest_node(block.tissue().positions()).z() / expected, 1,
               0.05);  // 4 cells of linear tets along the soft half
   EXPECT_NEAR(std::get<Vec3>(block.scene->output("/tissue", "reaction")).z() / (0.016 * 9.81), 1,
               1e-6);
@@ -271,10 +271,10 @@ TEST(Stability, SliversDoNotSpoilTheRest) {
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(block.step().finite);
   const Real length = 0.035005, expected = 1000 * 9.81 * length * length / (2 * 5e3);
   record("worst_quality", block.tissue().mesh->report().worst_quality);
-  record("elongation_over_slender_column", -block.tissue().lowest().z() / expected);
+  record("elongation_over_slender_column", -lowest_node(block.tissue().positions()).z() / expected);
   record("inverted", static_cast<Real>(block.tissue().inverted()));
   EXPECT_EQ(block.tissue().inverted(), 0);
-  EXPECT_NEAR(-block.tissue().lowest().z() / expected, 1,
+  EXPECT_NEAR(-lowest_node(block.tissue().positions()).z() / expected, 1,
               0.15);  // not slender: held at its top (1:1.75)
 }
 
@@ -303,7 +303,7 @@ TEST(Stability, LargeStepsReachTheSameRest) {
                      "box='0 0 0 0 20 20 mm'/>",
                      dt[k], "0 0 -9.81");
     for (int i = 0; i < (k == 0 ? 2000 : 300); ++i) ASSERT_TRUE(block.step().finite);
-    lowest[k] = block.tissue().lowest().z();
+    lowest[k] = lowest_node(block.tissue().positions()).z();
   }
   record("lowest_mm_at_5ms", 1e3 * lowest[0]);
   record("difference_over_length", (lowest[1] - lowest[0]) / 0.1);
@@ -312,4 +312,4 @@ TEST(Stability, LargeStepsReachTheSameRest) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

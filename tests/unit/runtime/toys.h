@@ -65,15 +65,6 @@ class Mass : public Component, public Body {
     motion = start_v - v + c.dt * (c.gravity + force);
   }
   Eigen::Ref<const VecX> change() const override { return motion; }
-  Vec3 position(const EmbeddedPoint&, Configuration c) const override {
-    return c == Configuration::start ? start_x : x;
-  }
-  void jacobian(const EmbeddedPoint&, PointJacobian& out) const override {
-    out.width = 3;
-    out.nodes = 1;
-    out.node[0] = 0;
-    out.coefficients = Mat3::Identity();
-  }
   void solve(Eigen::Ref<MatX>) const override {}  // A = 1 kg
   void correct(const StepContext& c, const VecX& force_change) override {
     note("correct", *this);
@@ -116,10 +107,10 @@ class Pin : public Component, public ConstraintSource {
   void detect(const StepContext&) override { note("detect", *this); }
   void build(const StepContext&, ConstraintBuilder& builder) override {
     note("build", *this);
-    block_ =
-        builder.add<Bilateral<3>>(make_key(id, 0), {}, mass->position({}, Configuration::current));
+    block_ = builder.add<Bilateral<3>>(make_key(id, 0), {}, mass->x);
     PointJacobian J;
-    mass->jacobian({}, J);
+    J.nodes = 1;
+    J.coefficients = Mat3::Identity();
     builder.couple(block_, *mass, Mat3::Identity(), J, mass->x);
   }
   void commit(const StepContext&, const SolvedBlocks& solved) override {

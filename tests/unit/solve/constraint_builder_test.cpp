@@ -245,8 +245,8 @@ TEST_F(Fixture, ForcesOfACouplingAreOppositeAndMomentumIsKept) {
   const Vec3 before = one.momentum() + two.momentum();
   for (int step = 0; step < 20; ++step)
     world.step([&](ConstraintBuilder& builder) {
-      const Vec3 gap = one.position(node(1), Configuration::current) -
-                       two.position(node(0), Configuration::current);
+      const Vec3 gap =
+          one.position(1, Configuration::current) - two.position(0, Configuration::current);
       const BlockId id = builder.add<Bilateral<3>>({1}, {}, gap);
       world.couple(id, one, 1, Mat3::Identity());
       world.couple(id, two, 0, -Mat3::Identity());

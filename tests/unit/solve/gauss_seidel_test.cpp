@@ -26,8 +26,8 @@ Real worst_stitch_error(const ConstraintProblem& p) {
       worst = std::max(worst, delta.segment<2>(b.first_row).norm());
       continue;
     }
-    const auto& f = *static_cast<const PathFrictionLaw::Params*>(p.block_params(b));
-    const Real R = b.mode == PathFrictionLaw::stick ? f.static_level : f.kinetic;
+    const auto& f = *static_cast<const suturing::PathFrictionLaw::Params*>(p.block_params(b));
+    const Real R = b.mode == suturing::PathFrictionLaw::stick ? f.static_level : f.kinetic;
     const Real lambda = p.lambda[b.first_row], slip = delta[b.first_row];
     // Either at rest with at most R, or at -sign(slip) (R + c |slip|): distance of the graph, as a
     // length.
@@ -58,7 +58,8 @@ TEST(GaussSeidel, SolvesStitchesInAHandfulOfSweeps) {
           for (const ConstraintBlock& b : p.blocks)
             if (b.law->dim == 1) {
               drag -= p.lambda[b.first_row];
-              levels += static_cast<const PathFrictionLaw::Params*>(p.block_params(b))->kinetic;
+              levels +=
+                  static_cast<const suturing::PathFrictionLaw::Params*>(p.block_params(b))->kinetic;
             }
           EXPECT_NEAR(drag, levels, 1e-9 * levels);
         }
@@ -170,7 +171,7 @@ TEST(GaussSeidel, PunctureWaitsForTheConvergedForce) {
   const Real c = 1e-4;
   for (const Real fp : {1.5, 0.9}) {
     ConstraintProblem p;
-    append<PunctureLaw>(p, {.puncture_force = fp});
+    append<suturing::PunctureLaw>(p, {.puncture_force = fp});
     append<Bilateral<1>>(p, {.compliance = c});
     MatX W = 1e-3 * MatX::Identity(4, 4);
     W(3, 3) = 1e-3;
@@ -189,7 +190,8 @@ TEST(GaussSeidel, PunctureWaitsForTheConvergedForce) {
       const SolveReport report = solve(q, {.tolerance = 1e-6, .acceleration = a});
       EXPECT_TRUE(report.converged);
       EXPECT_EQ(report.events, pierces ? 1 : 0);
-      EXPECT_EQ(q.blocks[0].mode, pierces ? PunctureLaw::penetrated : PunctureLaw::pressing);
+      EXPECT_EQ(q.blocks[0].mode,
+                pierces ? suturing::PunctureLaw::penetrated : suturing::PunctureLaw::pressing);
       if (!pierces) {
         EXPECT_NEAR(q.lambda[2], exact[0], 1e-3);
       } else {
@@ -202,20 +204,20 @@ TEST(GaussSeidel, PunctureWaitsForTheConvergedForce) {
 // In a pass lambda is that of a guess: an event that is due waits until the step fires it.
 TEST(GaussSeidel, EventsWaitWhereTheyAreHeld) {
   ConstraintProblem p;
-  append<PunctureLaw>(p, {.puncture_force = 0.9});
+  append<suturing::PunctureLaw>(p, {.puncture_force = 0.9});
   finish(p, 1e-3 * MatX::Identity(3, 3), Vec3(0, 0, -2e-3));
   p.hold_events = true;
   const SolveReport held = solve(p);
   EXPECT_TRUE(held.converged);
   EXPECT_EQ(held.events, 0);
-  EXPECT_EQ(p.blocks[0].mode, PunctureLaw::pressing);
+  EXPECT_EQ(p.blocks[0].mode, suturing::PunctureLaw::pressing);
   EXPECT_NEAR(p.lambda[2], 0.9, 1e-12);  // all that the surface can bear
   EXPECT_EQ(fire_events(p), 1);
-  EXPECT_EQ(p.blocks[0].mode, PunctureLaw::penetrated);
+  EXPECT_EQ(p.blocks[0].mode, suturing::PunctureLaw::penetrated);
   EXPECT_EQ(fire_events(p), 0);
   // Held or not makes no difference once nothing is due.
   EXPECT_EQ(solve(p).events, 0);
-  EXPECT_EQ(p.blocks[0].mode, PunctureLaw::penetrated);
+  EXPECT_EQ(p.blocks[0].mode, suturing::PunctureLaw::penetrated);
 }
 
 TEST(GaussSeidel, ANonFiniteProblemIsReportedNotSpread) {

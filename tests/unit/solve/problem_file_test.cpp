@@ -14,7 +14,7 @@ using namespace sutura::test;
 namespace {
 
 const LawOperations* const laws[] = {&law_operations<Bilateral<2>>,
-                                     &law_operations<PathFrictionLaw>};
+                                     &law_operations<suturing::PathFrictionLaw>};
 
 struct ProblemFile : ::testing::Test {
   std::string file =

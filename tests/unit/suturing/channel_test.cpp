@@ -7,6 +7,9 @@
 #include "fake_bodies.h"
 
 namespace sutura::testing {
+
+using namespace suturing;
+
 namespace {
 
 constexpr Real mm = 1e-3;

@@ -47,10 +47,7 @@ struct RigidNeedle : Component, CurveBody {
   }
   void linearise(const StepContext&, const VecX&) override {}
   Eigen::Ref<const VecX> change() const override { return change_; }
-  Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
-    return point(p.weights[0], c);
-  }
-  void jacobian(const EmbeddedPoint&, PointJacobian& J) const override {
+  void jacobian(Real, PointJacobian& J) const override {
     J.nodes = 1;
     J.width = 3;
     J.node[0] = 0;
@@ -69,7 +66,6 @@ struct RigidNeedle : Component, CurveBody {
   Real length() const override { return length_; }
   Real needle_length() const override { return swage; }
   Real radius(Real) const override { return radius_; }
-  EmbeddedPoint embed(Real s) const override { return {0, {s, 0, 0, 0}}; }
   Vec3 point(Real s, Configuration c) const override {
     const Real t = c == Configuration::start ? start_ : c == Configuration::current ? now_ : 0;
     return {sideways, 0, start_height - t + s};

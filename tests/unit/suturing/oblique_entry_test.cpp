@@ -81,7 +81,7 @@ class ObliqueEntry : public ::testing::TestWithParam<Oblique> {
   }
   const ConstraintBlock* puncture_block() const {
     for (const ConstraintBlock& b : simulation->problem().blocks)
-      if (b.law == &law_operations<PunctureLaw>) return &b;
+      if (b.law == &law_operations<suturing::PunctureLaw>) return &b;
     return nullptr;
   }
   Registry registry;
@@ -108,7 +108,7 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
     const Real s = needle.now_;
     const bool was_open = open;
     const ConstraintBlock* block = puncture_block();
-    open = open || (block && block->mode == PunctureLaw::penetrated);
+    open = open || (block && block->mode == suturing::PunctureLaw::penetrated);
     const Vec3 spring = -K * slab.u_;  // on the slab; the needle pushes it by as much
     // What is not static is the mass of the slab, m / (K dt^2) = 8e-4 of what changes in a step;
     // the solver is exact to 1e-9. A thousandth of the threshold covers both.

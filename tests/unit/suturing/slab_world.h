@@ -10,6 +10,8 @@
 
 namespace sutura::testing {
 
+using namespace suturing;
+
 inline void enrol_slab_world(Registry& registry) {
   enrol_builtin(registry);
   registry.component<RigidNeedle>("RigidNeedle");

@@ -4,7 +4,7 @@
 
 #include "solver_fixture.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using testing::make_grid;
@@ -53,4 +53,4 @@ TEST(NodeMatrix, AddsAScaledDiagonal) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -8,7 +8,7 @@
 #include "direct_solver.h"
 #include "solver_fixture.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 /// Contacts on the upper face: points inside its triangles, three rows each, in skew directions.
@@ -206,4 +206,4 @@ TEST(Candidates, FixedNodesAreNever) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -6,7 +6,7 @@
 
 #include "tissue_meshes.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -92,4 +92,4 @@ TEST(CorotationalT4, DoesNotDependOnOrderOrPacking) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

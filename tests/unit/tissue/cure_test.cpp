@@ -9,7 +9,7 @@
 #include "rotation.h"
 #include "smoothed_t4.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -171,4 +171,4 @@ TEST(SmoothedT4, BendingConverges) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -10,7 +10,7 @@
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_num_threads() __attribute__((weak));
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 class FactorOf : public ::testing::TestWithParam<FactorBackend> {
@@ -147,4 +147,4 @@ INSTANTIATE_TEST_SUITE_P(Backends, FactorOf,
                          });
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -9,7 +9,7 @@
 
 #include "mesh_check.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 const std::filesystem::path folder = SUTURA_SOURCE_DIR "/tests/unit/tissue/meshes";
@@ -192,4 +192,4 @@ TEST(MeshFile, SurvivesTruncationAndNoise) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -7,7 +7,7 @@
 
 #include "solver_fixture.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using testing::Elasticity;
@@ -156,4 +156,4 @@ TEST_F(Conjugate, ReportsWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

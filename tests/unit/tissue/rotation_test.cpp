@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 Mat3 random_matrix(std::mt19937& random) {
@@ -100,4 +100,4 @@ TEST(Rotation, MirroredMatrixKeepsTheSmallestStretchNegative) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

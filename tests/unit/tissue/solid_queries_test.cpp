@@ -7,7 +7,7 @@
 
 #include "tissue_meshes.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -205,4 +205,4 @@ TEST(SolidQueries, AnswersDoNotDependOnTheOrderOfTets) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -15,6 +15,8 @@
 
 namespace sutura::testing {
 
+using namespace tissue;
+
 struct Grid {
   std::vector<Vec3> rest;
   std::vector<std::array<Index, 4>> tets;

@@ -10,7 +10,7 @@
 #include "smoothed_t4.h"
 #include "tissue_meshes.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -163,4 +163,4 @@ INSTANTIATE_TEST_SUITE_P(Families, TangentOfT4,
                          [](const auto& i) { return i.param.name; });
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

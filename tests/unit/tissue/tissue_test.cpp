@@ -10,7 +10,7 @@
 #include "sutura/simulation.h"
 #include "tissue_scene.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::all_messages;
@@ -49,7 +49,7 @@ TEST(Tissue, AttachmentCarriesTheWeightAndMomentumBalancesInEveryStep) {
     const Vec3 now = s.tissue().momentum();
     // Up to what the step says that its free nodes lack, and the rounding of sums of forces that
     // are far larger than the weight.
-    left = report.bodies[0].imbalance.force * static_cast<Real>(s.tissue().node_mass().size());
+    left = report.bodies[0].imbalance.force * static_cast<Real>(s.tissue().model().mass.size());
     EXPECT_LT(((now - before) / h - weight - reaction).norm(), left + 1e-11);
     before = now;
   }
@@ -230,4 +230,4 @@ TEST(TetMesh, ThePadHasTwoLayersAndEnoughNodes) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -5,7 +5,7 @@
 
 #include "tissue_scene.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 const std::string block =
@@ -66,4 +66,4 @@ TEST(TriangleSurface, APointOfATriangleIsAPointOfTheSolid) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

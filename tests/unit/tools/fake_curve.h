@@ -40,10 +40,7 @@ class Curve : public Component, public CurveBody {
   void begin_step(const StepContext&) override {}
   void linearise(const StepContext&, const VecX&) override {}
   Eigen::Ref<const VecX> change() const override { return no_change_; }
-  Vec3 position(const EmbeddedPoint& p, Configuration c) const override {
-    return point(p.weights[0], c);
-  }
-  void jacobian(const EmbeddedPoint&, PointJacobian& out) const override { out = {}; }
+  void jacobian(Real, PointJacobian& out) const override { out = {}; }
   void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
   void correct(const StepContext&, const VecX&) override {}
   Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
@@ -67,7 +64,6 @@ class Curve : public Component, public CurveBody {
   Real length() const override { return length_; }
   Real needle_length() const override { return 0; }
   Real radius(Real) const override { return 1e-3; }
-  EmbeddedPoint embed(Real s) const override { return {0, {s, 0, 0, 0}}; }
   Vec3 point(Real s, Configuration) const override {
     return pose_.position + pose_.rotation * Vec3(s, 0, 0);
   }

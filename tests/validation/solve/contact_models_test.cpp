@@ -31,8 +31,8 @@ TEST(Incline, SticksOrSlidesAsCoulombSays) {
     for (int step = 0; step < 100; ++step) {
       BlockId id;
       world.step([&](ConstraintBuilder& builder) {
-        const Vec3 now = block.position(node(0), Configuration::current);
-        const Vec3 slip = now - block.position(node(0), Configuration::start);
+        const Vec3 now = block.position(0, Configuration::current);
+        const Vec3 slip = now - block.position(0, Configuration::start);
         id = builder.add<Coulomb>({1}, {.mu = mu}, Vec3(now.z(), slip.x(), slip.y()));
         MatX rows(3, 3);
         rows << 0, 0, 1, 1, 0, 0, 0, 1, 0;
@@ -71,7 +71,7 @@ TEST(Drift, APendulumKeepsItsLength) {
       const int steps = static_cast<int>(std::lround(10 / h));
       for (int step = 0; step < steps; ++step) {
         world.step([&](ConstraintBuilder& builder) {
-          const Vec3 now = bob.position(node(0), Configuration::current);
+          const Vec3 now = bob.position(0, Configuration::current);
           const BlockId id = builder.add<Bilateral<1>>({1}, {}, BlockVector<1>(now.norm() - 1), 0,
                                                        {.force = 1, .length = 1});
           world.couple(id, bob, 0, now.normalized().transpose());

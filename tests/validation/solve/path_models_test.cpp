@@ -39,29 +39,29 @@ struct NeedleModel {
     const auto depth_now = [&] { return to - slab.x[2]; };
     world.step([&](ConstraintBuilder& builder) {
       if (!inside) {
-        PunctureLaw::Params p;
+        suturing::PunctureLaw::Params p;
         p.normal = -Vec3::UnitZ();
         p.axis = Vec3::UnitZ();
         p.puncture_force = fp;
         p.cutting_force = fc;
         p.drag = tau;
         // Rows: tip minus surface point. The slab is the only body: its force is the reaction.
-        surface = builder.add<PunctureLaw>({1}, p, Vec3(0, 0, depth_now()), PunctureLaw::pressing,
-                                           {.force = fp});
+        surface = builder.add<suturing::PunctureLaw>(
+            {1}, p, Vec3(0, 0, depth_now()), suturing::PunctureLaw::pressing, {.force = fp});
         world.couple(surface, slab, 0, -Mat3::Identity());
         return;
       }
       const MatX along = Vec3(0, 0, 1).transpose();
-      const BlockId cut =
-          builder.add<CuttingLaw>({2}, {.threshold = fc}, BlockVector<1>(path_end - depth_now()));
+      const BlockId cut = builder.add<suturing::CuttingLaw>({2}, {.threshold = fc},
+                                                            BlockVector<1>(path_end - depth_now()));
       world.couple(cut, slab, 0, along);
       // Friction on the inserted length of the last step; its growth within the step acts as a
       // viscous part.
       const Real before = inserted, level = tau * inserted;
       const Real moved = depth_now() - before;
-      friction = builder.add<PathFrictionLaw>(
+      friction = builder.add<suturing::PathFrictionLaw>(
           {3}, {.static_level = level, .kinetic = level, .viscous = slip > 0 ? tau : 0.0},
-          BlockVector<1>(moved), PathFrictionLaw::stick);
+          BlockVector<1>(moved), suturing::PathFrictionLaw::stick);
       world.couple(friction, slab, 0, -along);
     });
     (void)from;
@@ -69,7 +69,7 @@ struct NeedleModel {
     const Real depth = to - slab.x[2];
     force = K * slab.x[2];
     if (surface.valid()) {
-      if (solved.mode(surface) == PunctureLaw::penetrated) {
+      if (solved.mode(surface) == suturing::PunctureLaw::penetrated) {
         inside = true;
         ++punctures;
         path_end = depth;
@@ -146,7 +146,8 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
       body.add_spring(0, 1, Vec3::UnitX(), k);
       body.prescribe(1, Vec3(V, 0, 0));
       SmallWorld world({&body}, h);
-      const PathFrictionLaw::Params p{.static_level = Fs, .kinetic = Fk, .stick_slip = 1e-6 * h};
+      const suturing::PathFrictionLaw::Params p{
+          .static_level = Fs, .kinetic = Fk, .stick_slip = 1e-6 * h};
       std::vector<Real> starts;
       Real slip = 0;
       bool slipping = false;
@@ -154,10 +155,11 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
       for (int step = 0; step * h < duration; ++step) {
         BlockId id;
         world.step([&](ConstraintBuilder& builder) {
-          const Real d = body.x[0] - body.position(node(0), Configuration::start).x();
-          id = builder.add<PathFrictionLaw>(
-              {1}, p, BlockVector<1>(d),
-              std::abs(slip) > p.stick_slip ? PathFrictionLaw::slip : PathFrictionLaw::stick);
+          const Real d = body.x[0] - body.position(0, Configuration::start).x();
+          id = builder.add<suturing::PathFrictionLaw>({1}, p, BlockVector<1>(d),
+                                                      std::abs(slip) > p.stick_slip
+                                                          ? suturing::PathFrictionLaw::slip
+                                                          : suturing::PathFrictionLaw::stick);
           world.couple(id, body, 0, Vec3(1, 0, 0).transpose());
         });
         slip = SolvedBlocks(world.problem).delta(id)[0];
@@ -247,8 +249,8 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
             const auto v = static_cast<std::size_t>(i);
             const Vec3 t = (along[v - 1] + along[v]).normalized();
             const Vec3 across = Vec3::UnitZ().cross(t);
-            const Vec3 now = chain.position(node(i), Configuration::current);
-            const Vec3 moved = now - chain.position(node(i), Configuration::start);
+            const Vec3 now = chain.position(i, Configuration::current);
+            const Vec3 moved = now - chain.position(i, Configuration::start);
             const Vec3 off = now - at[v];
             MatX rows(2, 3);
             rows << across.transpose(), Vec3::UnitZ().transpose();
@@ -257,9 +259,9 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
             world.couple(hold.back(), chain, i, rows);
             // The drag of a chord acts along its two halves; the row is their bisector.
             const Real level = mu * lateral[v - 1] + tau0 * chord * std::cos(turn / 2);
-            drag.push_back(builder.add<PathFrictionLaw>(
+            drag.push_back(builder.add<suturing::PathFrictionLaw>(
                 make_key(2, v), {.static_level = level, .kinetic = level},
-                BlockVector<1>(t.dot(moved)), PathFrictionLaw::slip));
+                BlockVector<1>(t.dot(moved)), suturing::PathFrictionLaw::slip));
             world.couple(drag.back(), chain, i, t.transpose());
           }
         });

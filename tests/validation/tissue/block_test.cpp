@@ -7,7 +7,7 @@
 #include "mesh_check.h"
 #include "static_problem.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -127,4 +127,4 @@ TEST(ReferenceB10, ConvergesWithSecondOrder) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

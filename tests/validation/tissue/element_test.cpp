@@ -6,7 +6,7 @@
 #include "rotation.h"
 #include "static_problem.h"
 
-namespace sutura {
+namespace sutura::tissue {
 namespace {
 
 using test::kuhn_block;
@@ -146,4 +146,4 @@ TEST(ReferenceB7, InvertedTetIsPushedBack) {
 }
 
 }  // namespace
-}  // namespace sutura
+}  // namespace sutura::tissue

@@ -1,0 +1,29 @@
+// What a tissue is made of: rest shape, masses, elements, material, and what holds it. Written
+// while the scene is set up, then the same for the whole run, but for where carried nodes are to
+// go.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "elastic_model.h"
+#include "held_nodes.h"
+#include "mesh_data.h"
+
+namespace sutura::tissue {
+
+struct TissueModel {
+  const MeshData* mesh = nullptr;
+  VecX rest;                        ///< positions (m), three numbers per node
+  std::vector<Real> mass;           ///< lumped, per node (kg)
+  std::vector<Material> materials;  ///< per tet
+  std::unique_ptr<ElasticModel> elastic;
+  HeldNodes held;
+  Real edge_length = 0;                          ///< mean, at rest (m)
+  Real young = 0;                                ///< Pa, where no layer says otherwise
+  Real damping_mass = 0, damping_stiffness = 0;  ///< 1/s, s
+
+  Index dofs() const { return rest.size(); }
+};
+
+}  // namespace sutura::tissue

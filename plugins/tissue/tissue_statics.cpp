@@ -1,0 +1,70 @@
+#include "tissue_statics.h"
+
+#include "node_rotations.h"
+#include "sutura/units.h"
+#include "tissue_solver.h"
+
+namespace sutura::tissue {
+namespace {
+
+/// Forces that a shape is under (N), with A <- their stiffness.
+VecX linearise(TissueModel& model, const VecX& weight, const VecX& load, const VecX& x,
+               NodeMatrix& A) {
+  VecX force = weight;
+  A.set_zero();
+  model.elastic->linearise(x, 1, A, force);
+  model.held.add_stiffness(1, A);
+  model.held.add_force(x, force);
+  force += load;
+  model.held.clear_fixed(force);
+  return force;
+}
+
+}  // namespace
+
+/// Newton on the potential of elasticity, supports, weight and loads, each step shortened until the
+/// potential falls. With a solver of its own: the one of the steps may be late by some of them.
+std::string settle(TissueModel& model, const VecX& load, const Vec3& gravity, VecX& x) {
+  VecX weight(model.dofs());
+  for (Index i = 0; i < model.dofs(); i += 3)
+    weight.segment<3>(i) = model.mass[static_cast<std::size_t>(i / 3)] * gravity;
+  const VecX outside = weight + load;
+  model.held.put(x);
+  const auto potential = [&](const VecX& at) {
+    return model.elastic->energy(at) - outside.dot(at - model.rest) + model.held.energy(at);
+  };
+  NodeMatrix A(model.dofs() / 3, model.elastic->pairs());
+  const auto direct = make_direct_solver();
+  direct->analyse(A.pattern(), model.held.fixed(), {});
+  std::vector<Mat3> rotations;
+  constexpr Index most = 200;
+  // A millionth of what acts, or nothing left to move: the forces of stiff supports never add up to
+  // less than their rounding.
+  const Real tolerance = 1e-6 * outside.norm(), smallest = 1e-9 * model.edge_length;
+  VecX next_x;
+  Real value = potential(x), left = 0;
+  for (Index i = 0; i < most; ++i) {
+    VecX step = linearise(model, weight, load, x, A);
+    left = step.norm();
+    if (left <= tolerance) return {};
+    node_rotations(*model.mesh, x, rotations);
+    direct->prepare(A, rotations, i);
+    direct->solve(step);
+    const Real longest = step.lpNorm<Eigen::Infinity>();
+    if (longest <= smallest) return {};
+    Real part = 1;
+    for (int cut = 0; cut < 30; ++cut, part /= 2) {
+      next_x = x + part * step;
+      const Real next = potential(next_x);
+      // The last steps change the potential by less than its rounding.
+      if (!(next < value) && part * longest > 1e-6 * model.edge_length) continue;
+      value = next;
+      break;
+    }
+    x = next_x;
+  }
+  return "no balance was found, " + format_real(left) + " N of " + format_real(outside.norm()) +
+         " N are left";
+}
+
+}  // namespace sutura::tissue
