@@ -12,6 +12,11 @@ namespace {
 constexpr Real at_end = 0.02;       // a tip that is closer to the end of the channel is at its end
 constexpr Real search_step = 0.25;  // along the needle, for where it goes through the surface
 constexpr Real too_close = 0.5;     // closer samples would hold the same section twice
+constexpr Real lost = 2;            // a tip that is further past a sample went another way
+
+constexpr Real mouth = 2;  // in radii of the needle: from so far a tip slides into a mouth
+/// A curve that turns by less than half a circle is at most pi / 2 times as long as its chord.
+constexpr Real arc_over_chord = 2;
 
 }  // namespace
 
@@ -52,13 +57,19 @@ Real Channel::inserted_length() const {
   return sum;
 }
 
-bool Channel::mouth_near(const Vec3& point, Real reach) const {
-  const auto near = [&](const PathSample& s) {
-    return (tissue_.position(s.at, Configuration::current) - point).norm() < reach;
-  };
-  // The entry of a channel that is remembered but empty.
-  return passed_ < samples_.size() && samples_[passed_].kind == PathSample::Kind::entry &&
-         near(samples_[passed_]);
+Real Channel::mouth_radius() const {
+  return mouth * thread_.radius(0);
+}
+
+bool Channel::mouth_near(const Vec3& point) const {
+  if (passed_ == samples_.size() || samples_[passed_].kind != PathSample::Kind::entry) return false;
+  const Vec3 at = tissue_.position(samples_[passed_].at, Configuration::current);
+  return (at - point).norm() < mouth_radius();
+}
+
+/// Length of needle, from its tip, on which its point closest to `at` is sought (m).
+Real Channel::search_length(const Vec3& at) const {
+  return std::min(arc_over_chord * (at - tip()).norm() + spacing_, thread_.length());
 }
 
 void Channel::push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind) {
@@ -84,8 +95,7 @@ EmbeddedPoint Channel::embed(const Vec3& point) const {
 /// Where the needle behind its tip goes through the surface: after a sudden puncture that is not
 /// quite where the tip pressed.
 EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed) const {
-  const Vec3 at = tissue_.position(pressed, Configuration::current);
-  const Real reach = std::min(2 * (at - tip()).norm() + spacing_, thread_.length());
+  const Real reach = search_length(tissue_.position(pressed, Configuration::current));
   Vec3 from = tip();
   for (Real s = 0; s < reach;) {
     s = std::min(s + search_step * spacing_, reach);
@@ -100,9 +110,7 @@ void Channel::enter(const EmbeddedPoint& pressed) {
   samples_.resize(passed_);  // what an earlier, abandoned channel left
   const EmbeddedPoint mouth = mouth_at_needle(pressed);
   const Vec3 at = tissue_.position(mouth, Configuration::current);
-  const Real reach = 2 * (at - tip()).norm() + spacing_;
-  const Real s =
-      thread_.closest_abscissa(at, 0, 0, std::min(reach, thread_.length()), Configuration::current);
+  const Real s = thread_.closest_abscissa(at, 0, 0, search_length(at), Configuration::current);
   push(mouth, 0, s, PathSample::Kind::entry);
   end_ = mouth;
   end_depth_ = 0;
@@ -125,7 +133,7 @@ void Channel::leave(const EmbeddedPoint& pressed) {
   end_depth_ = samples_.back().depth;
 }
 
-std::size_t Channel::place(std::uint64_t id) const {
+std::size_t Channel::index_of(std::uint64_t id) const {
   const auto it = std::lower_bound(samples_.begin(), samples_.end(), id,
                                    [](const PathSample& s, std::uint64_t i) { return s.id < i; });
   const bool there = it != samples_.end() && it->id == id;
@@ -133,7 +141,7 @@ std::size_t Channel::place(std::uint64_t id) const {
 }
 
 const PathSample* Channel::find(std::uint64_t id) const {
-  const std::size_t i = place(id);
+  const std::size_t i = index_of(id);
   return i < passed_ ? &samples_[i] : nullptr;
 }
 
@@ -183,8 +191,8 @@ void Channel::readvance() {
     const Vec3 offset = tip_position - tissue_.position(next.at, Configuration::current);
     const Real along = forward.dot(offset);
     const Real aside = (offset - along * forward).norm();
-    const bool into_mouth = next.kind != PathSample::Kind::entry || aside < 2 * thread_.radius(0);
-    if (along < 0 || along > 2 * spacing_ || !into_mouth) break;
+    const bool into_mouth = next.kind != PathSample::Kind::entry || aside < mouth_radius();
+    if (along < 0 || along > lost * spacing_ || !into_mouth) break;
     next.abscissa = along;
     next.slip = 0;
     ++passed_;
@@ -197,9 +205,8 @@ void Channel::record() {
   const Real depth = tip_depth();
   if (depth <= end_depth_) return;
   if (!tissue_.locate(tip(), Configuration::current)) {
-    // Out through the surface without a puncture: nothing is left to cut once it is well clear of
-    // it. Nearer, it may be tenting the surface, of which a puncture holds back a patch and not
-    // every facet.
+    // The tip is outside without a puncture. Well clear of the surface the bite is over. Close to
+    // it the tip may still be tenting: the footprint is held back on average, not every facet.
     const auto foot = tissue_.closest_surface(tip(), spacing_, Configuration::current);
     if (!foot) leave(end_);
     return;

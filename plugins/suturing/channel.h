@@ -55,8 +55,9 @@ class Channel {
   };
   Share share_of(std::size_t i) const;
 
-  /// A mouth through which the tip could slide back in without puncture: within `reach` of `point`.
-  bool mouth_near(const Vec3& point, Real reach) const;
+  /// Whether the tip could slide in at `point` without puncture: through the mouth of a channel
+  /// that is remembered but empty.
+  bool mouth_near(const Vec3& point) const;
 
   /// The tip has just gone through the surface where it pressed, into the tissue: begins a bite.
   void enter(const EmbeddedPoint& pressed);
@@ -72,7 +73,7 @@ class Channel {
 
  private:
   /// Index of the sample with this id, or the number of samples.
-  std::size_t place(std::uint64_t id) const;
+  std::size_t index_of(std::uint64_t id) const;
   void find_abscissae();
   void retract();
   void readvance();
@@ -80,6 +81,8 @@ class Channel {
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed) const;
   EmbeddedPoint embed(const Vec3& point) const;
+  Real mouth_radius() const;
+  Real search_length(const Vec3& at) const;
   Vec3 tip() const { return thread_.point(0, Configuration::current); }
   Vec3 advance_direction() const { return -thread_.tangent(0, Configuration::current); }
 

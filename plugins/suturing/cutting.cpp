@@ -53,6 +53,7 @@ void Cutting::build(const StepContext&, ConstraintBuilder& builder) {
   const Vec3 tip_motion = tip - thread.point(0, start);
   const Vec3 end_motion = tissue.position(end, now) - tissue.position(end, start);
   const Real ahead = channel.end_depth() - channel.tip_depth();
+  // Too far to get there in this step, even if the tip moves twice as far as it has so far.
   if (ahead > 2 * tip_motion.norm() + path_->spacing()) return;
 
   const BlockVector<1> gap(ahead + forward.dot(end_motion - tip_motion));

@@ -148,7 +148,7 @@ Puncture::Front Puncture::find_entry() {
   const Vec3 back = thread.tangent(0, Configuration::start);
   const auto hit =
       path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start, back);
-  if (path_->channel().mouth_near(tip, 2 * thread.radius(0))) return Front::none;
+  if (path_->channel().mouth_near(tip)) return Front::none;
   const bool deep = !hit || hit->distance < -reach_ - dent;
   if (deep && path_->tissue().locate(tip, Configuration::start)) {
     // An indentation deeper than the elements can follow turns them inside out, and the tip is in
@@ -172,8 +172,8 @@ Puncture::Front Puncture::find_exit() {
   const Vec3 forward = -thread.tangent(0, Configuration::start);
   const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
   auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
-  // A tip that tents the surface holds a patch of it back, and may stand before or behind a single
-  // facet.
+  // A tip that tents the surface holds back all points of its footprint on average. It may stand
+  // before or behind a single facet.
   if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start, forward);
   if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
   touched_ = *hit;
@@ -242,7 +242,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   params.compliance = front_ == Front::entry ? footprint_.compliance() : 0;
 
   const Vec3 gap = tip - touched_.position;
-  // A name of its own for every front: the next one does not begin in the mode of the last.
+  // Every front has a key of its own, so that it does not begin in the mode of the one before.
   const auto front = static_cast<std::uint64_t>(8 * count_) + static_cast<std::uint64_t>(front_);
   block_ = builder.add<PunctureLaw>(make_key(source_id_, front), params, BlockVector<3>(gap),
                                     PunctureLaw::pressing, {.force = params.puncture_force});
@@ -265,8 +265,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
     return;
   }
   force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
-  // The force of this step is the one after the fall; it fell from the threshold, where the event
-  // fires.
+  // At the end of this step the force is that of the pierced state. The largest one was the
+  // threshold, at which the puncture fired.
   peak_force_ = std::max(peak_force_, threshold_here_);
   ++count_;
   Channel& channel = path_->channel();
@@ -287,8 +287,8 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
 }
 
 void Puncture::begin_bite() {
-  // A tip that gave way beside an old mouth may have slid into that channel in the same step: it is
-  // in once, not twice.
+  // Beside an old mouth the tip may have slid into that channel in the same step: then the bite has
+  // begun already.
   if (!path_->channel().tip_inside()) path_->channel().enter(touched_.at);
   region_ = path_->tissue().region(touched_.at);
 }

@@ -125,8 +125,8 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     const Crossing& c = crossings_[i];
     const bool is_end = i == sample_crossings_;
     if (is_end && !hold_end) break;
-    // A sample made a moment ago repeats the rows of the end: two rows for one thing fight each
-    // other.
+    // A sample made a moment ago is where the end is. The rows of the end hold that section
+    // already.
     if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < too_close * spacing_)
       continue;
     const Real length = is_end ? spacing_ : c.share.high - c.share.low;

@@ -10,17 +10,19 @@ namespace sutura::tissue {
 bool SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   const auto start = std::chrono::steady_clock::now();
   const auto& candidates = snapshot->candidates;
-  const bool analyse = !plan || !std::ranges::equal(tail_nodes(*plan), candidates);
+  const bool analyse = !plan || !std::ranges::equal(candidates_of(*plan), candidates);
   if (analyse) {
-    plan = std::ranges::equal(tail_nodes(*base), candidates) ? base : with_last(*base, candidates);
+    plan = std::ranges::equal(candidates_of(*base), candidates)
+               ? base
+               : with_candidates(*base, candidates);
     factor = make_factor(plan);
     if (rough) factor->keep_rough();
-    place.assign(static_cast<std::size_t>(snapshot->A.nodes()), -1);
+    number.assign(static_cast<std::size_t>(snapshot->A.nodes()), -1);
     for (std::size_t k = 0; k < candidates.size(); ++k)
-      place[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
+      number[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
   }
   ok = factor->factorise(snapshot->A);
-  if (ok) factor->tail_compliance(tail);
+  if (ok) factor->candidate_compliance(compliance);
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return analyse;
 }

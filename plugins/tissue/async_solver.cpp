@@ -113,7 +113,7 @@ void AsyncSolver::adopt_what_is_due() {
     if (worker_lost_) {
       fresh = std::move(postponed_);
     } else {
-      // Wherever it is, the worker may still read the snapshot: it keeps that one for good.
+      // The lost worker may still read its snapshot: nobody else will be given that one.
       worker_lost_ = true;
       report_.complain("the worker did not answer: factorising in the step from now on");
       fresh = std::make_unique<SnapshotFactor>();
@@ -200,8 +200,8 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
 }
 
 NodeCompliance AsyncSolver::compliance() const {
-  if (!current_ || current_->tail.size() == 0) return {};
-  return {&current_->tail, current_->place, warped_.turns()};
+  if (!current_ || current_->compliance.size() == 0) return {};
+  return {&current_->compliance, current_->number, warped_.turns()};
 }
 
 }  // namespace sutura::tissue

@@ -57,7 +57,6 @@ class AsyncSolver : public TissueSolver {
   }
   void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
   NodeCompliance compliance() const override;
-  bool compliance_is_exact() const override { return false; }
   const TissueSolveReport& report() const override { return report_; }
 
   void archive(Archive& archive) override;

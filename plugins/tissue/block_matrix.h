@@ -40,7 +40,7 @@ class NodePattern {
 std::vector<std::array<Index, 2>> pairs_of_elements(std::span<const Index> element_nodes,
                                                     Index size);
 
-/// Named after its rows, which belong to nodes ("BlockMatrix" is a law's word).
+/// Not called BlockMatrix: that is the matrix of one constraint block (sutura/law.h).
 class NodeMatrix {
  public:
   explicit NodeMatrix(std::shared_ptr<const NodePattern> pattern);

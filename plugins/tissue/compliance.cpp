@@ -66,7 +66,7 @@ void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
     if (is_outside[at(r)]) continue;
     y.setZero();
     for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e) {
-      const Index k = compliance.place[at(rows.node[at(e)])];
+      const Index k = compliance.number[at(rows.node[at(e)])];
       if (k < 0) continue;  // fixed
       const Vec3& h = turned[at(e)];
       y += C.col(3 * k) * h.x() + C.col(3 * k + 1) * h.y() + C.col(3 * k + 2) * h.z();
@@ -75,7 +75,7 @@ void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
       if (is_outside[at(i)]) continue;
       Real w = 0;
       for (Index e = rows.start[at(i)]; e < rows.start[at(i + 1)]; ++e) {
-        const Index k = compliance.place[at(rows.node[at(e)])];
+        const Index k = compliance.number[at(rows.node[at(e)])];
         if (k >= 0) w += y.segment<3>(3 * k).dot(turned[at(e)]);
       }
       w *= dt * dt;
@@ -157,7 +157,7 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
   for (Index r = 0; r < rows.size(); ++r) {
     for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e) {
       const Index node = rows.node[at(e)];
-      if (!compliance.C || (compliance.place[at(node)] < 0 && !solver.is_fixed(node)))
+      if (!compliance.C || (compliance.number[at(node)] < 0 && !solver.is_fixed(node)))
         is_outside[at(r)] = 1;
     }
     if (is_outside[at(r)]) outside.push_back(r);

@@ -20,9 +20,9 @@ class TissueSolver;
 
 /// A^-1 between the candidates: A^-1(i, j) ~ Q_i C(i, j) Q_j^T.
 struct NodeCompliance {
-  const MatX* C = nullptr;       ///< 3 candidates square; axes of the factor
-  std::span<const Index> place;  ///< per node: its place in C, -1 if it is no candidate
-  std::span<const Mat3> turn;    ///< per node: Q; empty: the identity
+  const MatX* C = nullptr;        ///< 3 candidates square; axes of the factor
+  std::span<const Index> number;  ///< per node: among the candidates; -1 if it is none
+  std::span<const Mat3> turn;     ///< per node: Q; empty: the identity
 };
 
 /// Which nodes to eliminate last: those touched lately and their neighbours.

@@ -10,7 +10,7 @@ namespace sutura::tissue {
 void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
                                 std::span<const char> fixed, std::span<const Index> candidates) {
   fixed_.assign(fixed.begin(), fixed.end());
-  place_.resize(static_cast<std::size_t>(pattern->nodes()));
+  number_.resize(static_cast<std::size_t>(pattern->nodes()));
   candidates_.reset(pattern, fixed, candidates);
   plan_ = make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_);
   adopt_plan();
@@ -19,10 +19,10 @@ void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
 
 void SynchronousSolver::adopt_plan() {
   factor_ = make_factor(plan_);
-  std::fill(place_.begin(), place_.end(), -1);
-  const auto tail = tail_nodes(*plan_);
-  for (std::size_t k = 0; k < tail.size(); ++k)
-    place_[static_cast<std::size_t>(tail[k])] = static_cast<Index>(k);
+  std::fill(number_.begin(), number_.end(), -1);
+  const auto candidates = candidates_of(*plan_);
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    number_[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
 }
 
 void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Index step) {
@@ -33,13 +33,13 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
   if (candidates_.outgrown()) {
     ++analyses;
     candidates_.choose(step);
-    plan_ = with_last(*plan_, candidates_.chosen());
+    plan_ = with_candidates(*plan_, candidates_.chosen());
     adopt_plan();
   }
   const Index failed = report_.failed_factors;
   report_ = {};
   ok_ = factor_->factorise(A);
-  has_tail_ = false;
+  has_compliance_ = false;
   report_.failed_factors = failed + (ok_ ? 0 : 1);
   report_.analyses = analyses;
   report_.adopted_at = step;
@@ -79,16 +79,16 @@ void SynchronousSolver::archive(Archive& a) {
   a("failed_factors", report_.failed_factors);
   a("adopted_at", report_.adopted_at);
   if (!a.restoring() || !a.ok()) return;
-  plan_ = with_last(*plan_, candidates_.chosen());
+  plan_ = with_candidates(*plan_, candidates_.chosen());
   adopt_plan();
-  ok_ = has_tail_ = false;
+  ok_ = has_compliance_ = false;
 }
 
 NodeCompliance SynchronousSolver::compliance() const {
-  if (!ok_ || tail_nodes(*plan_).empty()) return {};
-  if (!has_tail_) factor_->tail_compliance(tail_);
-  has_tail_ = true;
-  return {&tail_, place_, {}};
+  if (!ok_ || candidates_of(*plan_).empty()) return {};
+  if (!has_compliance_) factor_->candidate_compliance(compliance_);
+  has_compliance_ = true;
+  return {&compliance_, number_, {}};
 }
 
 std::unique_ptr<TissueSolver> make_direct_solver() {

@@ -22,13 +22,12 @@ class SynchronousSolver : public TissueSolver {
   bool wants_rotations() const override { return false; }
   void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
   void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
-  Index nodes() const override { return static_cast<Index>(place_.size()); }
+  Index nodes() const override { return static_cast<Index>(number_.size()); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
   }
   void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
   NodeCompliance compliance() const override;
-  bool compliance_is_exact() const override { return true; }
   const TissueSolveReport& report() const override { return report_; }
   void archive(Archive& archive) override;
 
@@ -40,12 +39,12 @@ class SynchronousSolver : public TissueSolver {
   std::unique_ptr<Factor> factor_;
   std::vector<char> fixed_;
   Candidates candidates_;
-  std::vector<Index> place_;  ///< per node, among the candidates; -1
+  std::vector<Index> number_;  ///< per node, among the candidates; -1
   Index step_ = 0;
   const NodeMatrix* A_ = nullptr;
   bool ok_ = false;
-  mutable MatX tail_;  ///< inverted when first asked for in a step
-  mutable bool has_tail_ = false;
+  mutable MatX compliance_;  ///< inverted when first asked for in a step
+  mutable bool has_compliance_ = false;
   GrowingMat x_;
   VecX in_, out_;
   Pcg pcg_;

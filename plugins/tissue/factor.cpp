@@ -46,7 +46,7 @@ struct Placed {
 }  // namespace
 
 FactorPlan::FactorPlan(std::shared_ptr<const NodePattern> graph, std::span<const char> fixed,
-                       std::span<const Index> last, FactorBackend which)
+                       std::span<const Index> nodes, FactorBackend which)
     : backend(which), pattern(std::move(graph)) {
   const auto n = static_cast<std::size_t>(pattern->nodes());
   assert(fixed.empty() || fixed.size() == n);
@@ -60,28 +60,28 @@ FactorPlan::FactorPlan(std::shared_ptr<const NodePattern> graph, std::span<const
   build_graph(*pattern, number, vertex.size(), start, neighbour);
   for (const std::int32_t v : fill_reducing_order(start, neighbour))
     base.push_back(vertex[static_cast<std::size_t>(v)]);
-  place(last);
+  put_last(nodes);
 }
 
-FactorPlan::FactorPlan(const FactorPlan& other, std::span<const Index> last)
+FactorPlan::FactorPlan(const FactorPlan& other, std::span<const Index> nodes)
     : backend(other.backend), pattern(other.pattern), base(other.base) {
-  place(last);
+  put_last(nodes);
 }
 
-/// Moves the tail to the end of the order and says where every entry of A goes.
-void FactorPlan::place(std::span<const Index> last) {
+/// Moves the candidates to the end of the order and says where every entry of A goes.
+void FactorPlan::put_last(std::span<const Index> nodes) {
   const auto n = static_cast<std::size_t>(pattern->nodes());
-  constexpr char is_fixed = 0, is_free = 1, is_tail = 2;
+  constexpr char is_fixed = 0, is_free = 1, is_candidate = 2;
   std::vector<char> kind(n, is_fixed);
   for (const std::int32_t i : base) kind[static_cast<std::size_t>(i)] = is_free;
-  for (const Index i : last)
+  for (const Index i : nodes)
     if (kind[static_cast<std::size_t>(i)] == is_free) {
-      kind[static_cast<std::size_t>(i)] = is_tail;
-      tail.push_back(i);
+      kind[static_cast<std::size_t>(i)] = is_candidate;
+      candidates.push_back(i);
     }
   for (const std::int32_t i : base)
     if (kind[static_cast<std::size_t>(i)] == is_free) order.push_back(i);
-  for (const Index i : tail) order.push_back(static_cast<std::int32_t>(i));
+  for (const Index i : candidates) order.push_back(static_cast<std::int32_t>(i));
 
   std::vector<std::int32_t> position(n, -1);
   for (std::size_t k = 0; k < order.size(); ++k)
@@ -100,26 +100,26 @@ void FactorPlan::place(std::span<const Index> last) {
       }
     }
   };
-  // The Schur complement over the tail is dense in any case (the rest couples every pair). Saying
-  // so in the structure makes the tail one chain of the elimination tree, which keeps it last and
-  // whole when the backend reorders the tree.
-  const auto first_tail = order.size() - tail.size();
+  // The Schur complement over the candidates is dense in any case (the rest couples every pair).
+  // Saying so in the structure makes them one chain of the elimination tree, which keeps it last
+  // and whole when the backend reorders the tree.
+  const auto first_candidate = order.size() - candidates.size();
   std::vector<std::size_t> start(order.size() + 1, 0);
   each_block([&](std::size_t q, const Placed&) { ++start[q + 1]; });
-  for (std::size_t q = first_tail; q < order.size(); ++q) start[q + 1] = order.size() - q;
+  for (std::size_t q = first_candidate; q < order.size(); ++q) start[q + 1] = order.size() - q;
   for (std::size_t q = 0; q < order.size(); ++q) start[q + 1] += start[q];
   std::vector<Placed> blocks(start.back());
   std::vector<std::size_t> end(start.begin(), start.end() - 1);
-  for (std::size_t q = first_tail; q < order.size(); ++q)
+  for (std::size_t q = first_candidate; q < order.size(); ++q)
     for (std::size_t p = q; p < order.size(); ++p)
       blocks[start[q] + p - q] = {static_cast<std::int32_t>(p), -1, false};
   each_block([&](std::size_t q, const Placed& b) {
-    if (q < first_tail)
+    if (q < first_candidate)
       blocks[end[q]++] = b;
     else
       blocks[start[q] + static_cast<std::size_t>(b.row) - q] = b;
   });
-  for (std::size_t q = 0; q < first_tail; ++q)
+  for (std::size_t q = 0; q < first_candidate; ++q)
     std::sort(blocks.begin() + static_cast<std::ptrdiff_t>(start[q]),
               blocks.begin() + static_cast<std::ptrdiff_t>(start[q + 1]));
 
@@ -175,17 +175,18 @@ FactorBackend default_backend() {
 
 std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePattern> pattern,
                                                    std::span<const char> fixed,
-                                                   std::span<const Index> last,
+                                                   std::span<const Index> nodes,
                                                    FactorBackend backend) {
-  return std::make_shared<FactorPlan>(std::move(pattern), fixed, last, backend);
+  return std::make_shared<FactorPlan>(std::move(pattern), fixed, nodes, backend);
 }
 
-std::shared_ptr<const FactorPlan> with_last(const FactorPlan& plan, std::span<const Index> last) {
-  return std::make_shared<FactorPlan>(plan, last);
+std::shared_ptr<const FactorPlan> with_candidates(const FactorPlan& plan,
+                                                  std::span<const Index> nodes) {
+  return std::make_shared<FactorPlan>(plan, nodes);
 }
 
-std::span<const Index> tail_nodes(const FactorPlan& plan) {
-  return plan.tail;
+std::span<const Index> candidates_of(const FactorPlan& plan) {
+  return plan.candidates;
 }
 
 std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan) {

@@ -23,11 +23,11 @@ FactorBackend default_backend();
 class FactorPlan;
 
 /// `fixed`: per node, nonzero if prescribed (its rows and columns are left out); empty: none is.
-/// `last`: free nodes to be eliminated last, in this order, so that the factor knows their
-/// compliance (see Factor::tail_compliance); fixed nodes among them are skipped.
+/// `candidates`: free nodes to be eliminated last, in this order, so that the factor knows their
+/// compliance (see Factor::candidate_compliance); fixed nodes among them are skipped.
 std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePattern> pattern,
                                                    std::span<const char> fixed,
-                                                   std::span<const Index> last,
+                                                   std::span<const Index> candidates,
                                                    FactorBackend backend);
 
 class Factor {
@@ -39,9 +39,9 @@ class Factor {
   /// columns <- A^-1 columns, 3 nodes x any. Fixed nodes answer zero whatever they are given.
   /// Not to be called from two workers at once: the work space belongs to the factor.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
-  /// C = (A^-1) over the `last` nodes of the plan (3 count square, order of `tail_nodes`): the
+  /// C = (A^-1) over the candidates of the plan (3 count square, order of `candidates_of`): the
   /// inverse of the last Schur block L_ss L_ss^T. Empty if there are none. C keeps its memory.
-  virtual void tail_compliance(MatX& C) const = 0;
+  virtual void candidate_compliance(MatX& C) const = 0;
   /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve
   /// is bound by reading L, which is then half as long. For preconditioning.
   virtual void solve_roughly(Eigen::Ref<MatX> columns) const { solve(columns); }
@@ -49,12 +49,13 @@ class Factor {
   virtual void keep_rough() {}
 };
 
-/// The same with other nodes last. The rest keeps its order, whose quality does not suffer: a
+/// The same with other candidates. The rest keeps its order, whose quality does not suffer: a
 /// separator remains one. Much cheaper than a new plan, and needs nothing but the old one.
-std::shared_ptr<const FactorPlan> with_last(const FactorPlan& plan, std::span<const Index> last);
+std::shared_ptr<const FactorPlan> with_candidates(const FactorPlan& plan,
+                                                  std::span<const Index> candidates);
 
-/// The `last` nodes that are free.
-std::span<const Index> tail_nodes(const FactorPlan& plan);
+/// Those that are free, in their order.
+std::span<const Index> candidates_of(const FactorPlan& plan);
 
 /// Symbolic analysis; `backend` as in the plan.
 std::unique_ptr<Factor> make_factor(std::shared_ptr<const FactorPlan> plan);

@@ -162,19 +162,19 @@ class CholmodFactor : public Factor {
         columns);
   }
 
-  void tail_compliance(MatX& C) const override {
-    const Index tail = ready_ ? 3 * static_cast<Index>(plan_->tail.size()) : 0;
-    C.resize(tail, tail);
-    if (tail == 0) return;
+  void candidate_compliance(MatX& C) const override {
+    const Index size = ready_ ? 3 * static_cast<Index>(plan_->candidates.size()) : 0;
+    C.resize(size, size);
+    if (size == 0) return;
     // Supernode s holds columns super[s] .. super[s+1] of L; its rows are s[pi[s]] .. , its numbers
     // are dense from px[s], leading dimension the number of rows.
-    const Index first = plan_->size() - tail;
+    const Index first = plan_->size() - size;
     const auto* super = static_cast<const int*>(L_->super);
     const auto* pi = static_cast<const int*>(L_->pi);
     const auto* px = static_cast<const int*>(L_->px);
     const auto* rows = static_cast<const int*>(L_->s);
     const auto* x = static_cast<const Real*>(L_->x);
-    lower_.setZero(tail, tail);
+    lower_.setZero(size, size);
     for (std::size_t s = 0; s < L_->nsuper; ++s) {
       const int height = pi[s + 1] - pi[s];
       for (int c = super[s]; c < super[s + 1]; ++c) {
@@ -185,10 +185,10 @@ class CholmodFactor : public Factor {
       }
     }
     invert_.compute(lower_, inverse_);
-    // CHOLMOD's own order of the tail -> ours.
+    // CHOLMOD's own order of the candidates -> ours.
     const auto* perm = static_cast<const int*>(L_->Perm);
-    for (Index c = 0; c < tail; ++c)
-      for (Index r = 0; r < tail; ++r) {
+    for (Index c = 0; c < size; ++c)
+      for (Index r = 0; r < size; ++r) {
         assert(perm[first + r] >= first);
         C(perm[first + r] - first, perm[first + c] - first) = inverse_(r, c);
       }

@@ -39,12 +39,12 @@ class EigenFactor : public Factor {
     plan_->extend(work_, columns);
   }
 
-  void tail_compliance(MatX& C) const override {
-    const Index tail = ready_ ? 3 * static_cast<Index>(plan_->tail.size()) : 0;
+  void candidate_compliance(MatX& C) const override {
+    const Index size = ready_ ? 3 * static_cast<Index>(plan_->candidates.size()) : 0;
     const auto& L = cholesky_.matrixL().nestedExpression();
-    const Index first = plan_->size() - tail;
-    lower_.setZero(tail, tail);
-    for (Index c = 0; c < tail; ++c)
+    const Index first = plan_->size() - size;
+    lower_.setZero(size, size);
+    for (Index c = 0; c < size; ++c)
       for (Eigen::SparseMatrix<Real>::InnerIterator it(L, first + c); it; ++it)
         lower_(it.row() - first, c) = it.value();
     invert_.compute(lower_, C);

@@ -14,14 +14,14 @@ namespace sutura::tissue {
 class FactorPlan {
  public:
   FactorPlan(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
-             std::span<const Index> last, FactorBackend backend);
-  FactorPlan(const FactorPlan& other, std::span<const Index> last);
+             std::span<const Index> candidates, FactorBackend backend);
+  FactorPlan(const FactorPlan& other, std::span<const Index> candidates);
 
   FactorBackend backend = FactorBackend::eigen;
   std::shared_ptr<const NodePattern> pattern;
-  std::vector<std::int32_t> base;   ///< free nodes in fill-reducing order, the tail at its place
+  std::vector<std::int32_t> base;   ///< free nodes in fill-reducing order, candidates too
   std::vector<std::int32_t> order;  ///< free nodes, in elimination order
-  std::vector<Index> tail;          ///< the last ones of `order`
+  std::vector<Index> candidates;    ///< the last ones of `order`
   /// Lower triangle of the reordered matrix by columns: row indices, and where in
   /// NodeMatrix::values each entry comes from (-1: a zero kept for the structure).
   std::vector<std::int32_t> column_start;
@@ -37,7 +37,7 @@ class FactorPlan {
   void extend(const Eigen::Ref<const MatX>& reduced, Eigen::Ref<MatX> full) const;
 
  private:
-  void place(std::span<const Index> last);
+  void put_last(std::span<const Index> candidates);
 };
 
 #ifdef SUTURA_WITH_CHOLMOD

@@ -176,7 +176,7 @@ std::optional<EmbeddedPoint> SolidQueries::locate(const Vec3& p) const {
   return best;
 }
 
-/// No direction is faced by everything.
+/// Of no direction (zero), true for every triangle.
 bool SolidQueries::faces(Index triangle, const Vec3& direction) const {
   return direction.isZero(0) || surface_normal(triangle).dot(direction) > 0;
 }

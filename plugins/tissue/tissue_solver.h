@@ -62,8 +62,6 @@ class TissueSolver {
   /// As of the factor in use, turned to now: exact for a direct solver, approximate (age,
   /// deformation) for an asynchronous one. C is null if nothing is known.
   virtual NodeCompliance compliance() const = 0;
-  /// False if `compliance` is that of an earlier matrix.
-  virtual bool compliance_is_exact() const = 0;
   virtual const TissueSolveReport& report() const = 0;
   /// After `analyse`.
   virtual void archive(Archive& archive) = 0;

@@ -68,7 +68,7 @@ void TissueStep::archive(Archive& a) {
     a.fail("the state of another mesh");
 }
 
-/// The first guess: on as before.
+/// The first guess: every node goes on with the velocity that it has.
 void TissueStep::begin(const StepContext& context) {
   if (!in_step_) {
     start_x_ = x_;

@@ -1,7 +1,7 @@
 // The motion of a tissue in a step: implicit Euler,
 //   M (v - v_start) = h (f(x_start + h v) + M g - B v + p),   B = alpha M + beta K,
-// f elastic and from supports and loads, p constraint forces. At a guess v, with A = M + h B + h^2
-// K,
+// f the force of elements, supports and loads, p of constraints. With A = M + h B + h^2 K, at a
+// guess v,
 //   A dv = r + h p,   r = M (v_start - v) + h (f(x) + M g - B v).
 #pragma once
 

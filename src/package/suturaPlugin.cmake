@@ -17,3 +17,21 @@ function(sutura_add_plugin name)
   target_compile_options(sutura_${name} PRIVATE -ffp-contract=off)
   set_target_properties(sutura_${name} PROPERTIES CXX_VISIBILITY_PRESET hidden)
 endfunction()
+
+# sutura_add_plugin_test(NAME SOURCES file... [SCENE file])
+#
+# A program of GoogleTest for the plugin NAME, run by ctest under this name after `enable_testing()`.
+# Its sources are given two texts: PLUGIN_DIR, the folder that the plugin is in, and SCENE.
+function(sutura_add_plugin_test name)
+  cmake_parse_arguments(ARG "" "SCENE" "SOURCES" ${ARGN})
+  if(NOT ARG_SOURCES)
+    message(FATAL_ERROR "sutura_add_plugin_test(${name}): expected SOURCES")
+  endif()
+  find_package(GTest REQUIRED)
+  add_executable(${name}_test ${ARG_SOURCES})
+  target_link_libraries(${name}_test PRIVATE sutura::sutura GTest::gtest_main)
+  target_compile_definitions(${name}_test PRIVATE
+    PLUGIN_DIR="$<TARGET_FILE_DIR:sutura_${name}>" SCENE="${CMAKE_CURRENT_SOURCE_DIR}/${ARG_SCENE}")
+  add_dependencies(${name}_test sutura_${name})
+  add_test(NAME ${name} COMMAND ${name}_test)
+endfunction()

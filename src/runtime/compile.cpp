@@ -71,7 +71,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
               .gravity = s->scene_->gravity,
               .scene = s->scene_.get(),
               .allow_outside = allow_outside};
-  // A component whose targets failed is left alone: it could only stumble over their remains.
+  // A component whose targets failed is not initialised: what it would complain of is their fault.
   std::set<const Component*> failed;
   for (Component* c : order.components()) {
     const std::vector<Component*>& links = s->scene_->links_of(*c);

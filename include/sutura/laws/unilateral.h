@@ -3,9 +3,9 @@
 //   0 <= delta + c lambda   _|_   lambda >= 0          (Signorini)
 //
 // delta (m) distance, lambda (N) force that pushes apart, c (m/N) compliance of the contact itself:
-// where many contacts repeat each other W is singular, and c is the honest cure (a rope's cross
-// section gives about 1 / (E d)). With delta = rest length (1 + strain) - arc length the same law
-// is the limit of elongation.
+// where many contacts say the same W is singular, and only c makes the forces unique (of a rope,
+// its cross section gives about 1 / (E d)). With delta = rest length (1 + strain) - arc length the
+// same law is the limit of elongation.
 #pragma once
 
 #include "sutura/law.h"

@@ -81,7 +81,7 @@ TEST_F(ChannelTest, OutAndInAgainThroughTheSameMouthNeedsNoPuncture) {
   move_to(-0.5 * mm);
   EXPECT_EQ(channel.passed(), 0u);
   EXPECT_FALSE(channel.tip_inside());
-  EXPECT_TRUE(channel.mouth_near(needle.point(0, Configuration::current), 1 * mm));
+  EXPECT_TRUE(channel.mouth_near(needle.point(0, Configuration::current)));
   move_to(0.4 * mm);
   EXPECT_TRUE(channel.tip_inside());
   EXPECT_FALSE(channel.tip_at_end());
@@ -95,7 +95,7 @@ TEST_F(ChannelTest, ElsewhereTheOldMouthDoesNotHelpAndANewBiteForgetsIt) {
   needle.sideways = 5 * mm;
   move_to(0.4 * mm);
   EXPECT_FALSE(channel.tip_inside());
-  EXPECT_FALSE(channel.mouth_near(needle.point(0, Configuration::current), 1 * mm));
+  EXPECT_FALSE(channel.mouth_near(needle.point(0, Configuration::current)));
   channel.enter(top());
   EXPECT_TRUE(channel.tip_inside());
   EXPECT_EQ(channel.samples().size(), 1u);

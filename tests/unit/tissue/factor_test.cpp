@@ -89,18 +89,18 @@ TEST_P(FactorOf, TailComplianceIsTheBlockOfTheInverse) {
   const std::vector<Index> last{174, 6, 34, 0, 146, 30, 100};
   const auto f = factor(last);
   ASSERT_TRUE(f->factorise(A));
-  const auto tail = tail_nodes(*plan);
-  ASSERT_EQ(tail.size(), last.size() - 1);
+  const auto candidates = candidates_of(*plan);
+  ASSERT_EQ(candidates.size(), last.size() - 1);
   const MatX inverse =
       testing::dense(A, grid.fixed).llt().solve(MatX::Identity(3 * A.nodes(), 3 * A.nodes()));
   MatX C;
-  f->tail_compliance(C);
-  ASSERT_EQ(C.rows(), 3 * Index(tail.size()));
+  f->candidate_compliance(C);
+  ASSERT_EQ(C.rows(), 3 * Index(candidates.size()));
   Real worst = 0;
-  for (std::size_t a = 0; a < tail.size(); ++a)
-    for (std::size_t b = 0; b < tail.size(); ++b)
+  for (std::size_t a = 0; a < candidates.size(); ++a)
+    for (std::size_t b = 0; b < candidates.size(); ++b)
       worst = std::max(worst, (C.block<3, 3>(3 * Index(a), 3 * Index(b)) -
-                               inverse.block<3, 3>(3 * tail[a], 3 * tail[b]))
+                               inverse.block<3, 3>(3 * candidates[a], 3 * candidates[b]))
                                   .norm());
   EXPECT_LT(worst, solve_tolerance * C.norm());
 }
@@ -109,11 +109,11 @@ TEST_P(FactorOf, OrderingCandidatesLastChangesNothingElse) {
   std::vector<Index> last;
   for (Index i = 0; i < A.nodes(); i += 3) last.push_back(i);
   const auto plain = factor();
-  const auto with_tail = factor(last);
-  ASSERT_TRUE(plain->factorise(A) && with_tail->factorise(A));
+  const auto with_candidates_last = factor(last);
+  ASSERT_TRUE(plain->factorise(A) && with_candidates_last->factorise(A));
   MatX x = testing::rough_vector(grid.fixed), y = x;
   plain->solve(x);
-  with_tail->solve(y);
+  with_candidates_last->solve(y);
   EXPECT_LT((x - y).norm(), solve_tolerance * x.norm());
 }
 
