@@ -5,6 +5,7 @@
 #include "unit/solve/law_check.h"
 
 using namespace sutura;
+using namespace sutura::suturing;
 using namespace sutura::test;
 
 namespace {
@@ -13,39 +14,38 @@ TEST(CuttingLaw, IsTheOneConsistentCase) {
   std::mt19937_64 random(1);
   for (int i = 0; i < draws; ++i) {
     const Real w = draw_positive(random, -4, 3), d = draw_real(random, -6, 0);
-    const suturing::CuttingLaw::Params p{.threshold = draw_positive(random, -3, 1)};
+    const CuttingLaw::Params p{.threshold = draw_positive(random, -3, 1)};
     Mode mode = 0;
-    const Real lambda =
-        project_twice<suturing::CuttingLaw>(BlockMatrix<1>(w), BlockVector<1>(d), p, mode)[0];
+    const Real lambda = project_twice<CuttingLaw>(BlockMatrix<1>(w), BlockVector<1>(d), p, mode)[0];
     int cases = 0;
     if (d > 0) {
       ++cases;
       EXPECT_EQ(lambda, 0);
-      EXPECT_EQ(mode, suturing::CuttingLaw::behind);
+      EXPECT_EQ(mode, CuttingLaw::behind);
     }
     const Real stop = -d / w;
     if (stop > 0 && stop < p.threshold) {
       ++cases;
       EXPECT_NEAR(lambda, stop, 1e-12 * stop);
-      EXPECT_EQ(mode, suturing::CuttingLaw::stopped);
+      EXPECT_EQ(mode, CuttingLaw::stopped);
     }
     if (d + w * p.threshold < 0) {
       ++cases;
       EXPECT_EQ(lambda, p.threshold);
-      EXPECT_EQ(mode, suturing::CuttingLaw::cutting);
+      EXPECT_EQ(mode, CuttingLaw::cutting);
     }
     ASSERT_EQ(cases, 1);
   }
 }
 
 TEST(CuttingLaw, ContinuousAtItsThresholds) {
-  const suturing::CuttingLaw::Params p{.threshold = 0.4};
+  const CuttingLaw::Params p{.threshold = 0.4};
   const BlockMatrix<1> w(0.01);
   for (const Real d : {0.0, -0.01 * 0.4}) {
     BlockVector<1> a, b;
     Mode mode = 0;
-    suturing::CuttingLaw::project(w, BlockVector<1>(d - 1e-12), p, mode, a);
-    suturing::CuttingLaw::project(w, BlockVector<1>(d + 1e-12), p, mode, b);
+    CuttingLaw::project(w, BlockVector<1>(d - 1e-12), p, mode, a);
+    CuttingLaw::project(w, BlockVector<1>(d + 1e-12), p, mode, b);
     EXPECT_NEAR(a[0], b[0], 2.1e-12 / 0.01);
   }
 }
@@ -54,14 +54,14 @@ TEST(PathFrictionLaw, IsTheOneConsistentCase) {
   std::mt19937_64 random(2);
   for (int i = 0; i < draws; ++i) {
     const Real w = draw_positive(random, -4, 3), d = draw_real(random, -6, 0);
-    suturing::PathFrictionLaw::Params p;
+    PathFrictionLaw::Params p;
     p.kinetic = draw_positive(random, -4, 1);
     p.static_level = p.kinetic * (1 + draw_positive(random, -3, 0));
     if (i % 3) p.viscous = draw_positive(random, -3, 2);
-    Mode mode = i % 2 ? suturing::PathFrictionLaw::stick : suturing::PathFrictionLaw::slip;
+    Mode mode = i % 2 ? PathFrictionLaw::stick : PathFrictionLaw::slip;
     const Real R = i % 2 ? p.static_level : p.kinetic;
     const Real lambda =
-        project_twice<suturing::PathFrictionLaw>(BlockMatrix<1>(w), BlockVector<1>(d), p, mode)[0];
+        project_twice<PathFrictionLaw>(BlockMatrix<1>(w), BlockVector<1>(d), p, mode)[0];
     int cases = 0;
     if (std::abs(-d / w) < R) {  // rest: delta = 0
       ++cases;
@@ -79,27 +79,26 @@ TEST(PathFrictionLaw, IsTheOneConsistentCase) {
 }
 
 TEST(PathFrictionLaw, ContinuousWhereItYields) {
-  const suturing::PathFrictionLaw::Params p{.static_level = 0.1, .kinetic = 0.1, .viscous = 3};
+  const PathFrictionLaw::Params p{.static_level = 0.1, .kinetic = 0.1, .viscous = 3};
   const Real w = 0.02, d = 0.002;
-  for (const Mode start : {suturing::PathFrictionLaw::stick, suturing::PathFrictionLaw::slip}) {
+  for (const Mode start : {PathFrictionLaw::stick, PathFrictionLaw::slip}) {
     BlockVector<1> a, b;
     Mode mode = start;
-    suturing::PathFrictionLaw::project(BlockMatrix<1>(w), BlockVector<1>(d - 1e-12), p, mode, a);
-    suturing::PathFrictionLaw::project(BlockMatrix<1>(w), BlockVector<1>(d + 1e-12), p, mode, b);
+    PathFrictionLaw::project(BlockMatrix<1>(w), BlockVector<1>(d - 1e-12), p, mode, a);
+    PathFrictionLaw::project(BlockMatrix<1>(w), BlockVector<1>(d + 1e-12), p, mode, b);
     EXPECT_NEAR(a[0], b[0], 2.1e-12 / w);
   }
 }
 
 TEST(PathFrictionLaw, BreaksAwayOnlyAtTheStaticLevelAndBeyondTheBand) {
-  const suturing::PathFrictionLaw::Params p{
-      .static_level = 0.2, .kinetic = 0.1, .stick_slip = 1e-6};
-  Mode mode = suturing::PathFrictionLaw::stick;
+  const PathFrictionLaw::Params p{.static_level = 0.2, .kinetic = 0.1, .stick_slip = 1e-6};
+  Mode mode = PathFrictionLaw::stick;
   using V = BlockVector<1>;
-  EXPECT_FALSE(suturing::PathFrictionLaw::event(p, V(1e-3), mode, V(-0.19)));
-  EXPECT_FALSE(suturing::PathFrictionLaw::event(p, V(0.9e-6), mode, V(-0.2)));
-  EXPECT_TRUE(suturing::PathFrictionLaw::event(p, V(1.1e-6), mode, V(-0.2)));
-  EXPECT_EQ(mode, suturing::PathFrictionLaw::slip);
-  EXPECT_FALSE(suturing::PathFrictionLaw::event(p, V(1e-3), mode, V(-0.2)));
+  EXPECT_FALSE(PathFrictionLaw::event(p, V(1e-3), mode, V(-0.19)));
+  EXPECT_FALSE(PathFrictionLaw::event(p, V(0.9e-6), mode, V(-0.2)));
+  EXPECT_TRUE(PathFrictionLaw::event(p, V(1.1e-6), mode, V(-0.2)));
+  EXPECT_EQ(mode, PathFrictionLaw::slip);
+  EXPECT_FALSE(PathFrictionLaw::event(p, V(1e-3), mode, V(-0.2)));
 }
 
 TEST(PathFrictionLaw, NeedsNoEventWhereBothLevelsAreTheSame) {
@@ -138,14 +137,14 @@ TEST(PunctureLaw, PressingIsOnItsGraph) {
   for (int i = 0; i < draws; ++i) {
     const Mat3 W = random_spd<3>(random);
     const Vec3 d = draw_vector<3>(random);
-    suturing::PunctureLaw::Params p;
+    PunctureLaw::Params p;
     p.normal = draw_unit(random);
     p.axis = (-p.normal + 0.5 * draw_unit(random)).normalized();
     p.puncture_force = draw_positive(random, -2, 1);
     p.friction = i % 4 ? draw_positive(random, -2, -0.3) : 0;
-    Mode mode = suturing::PunctureLaw::pressing;
-    const Vec3 lambda = project_twice<suturing::PunctureLaw>(W, d, p, mode);
-    ASSERT_EQ(mode, suturing::PunctureLaw::pressing);
+    Mode mode = PunctureLaw::pressing;
+    const Vec3 lambda = project_twice<PunctureLaw>(W, d, p, mode);
+    ASSERT_EQ(mode, PunctureLaw::pressing);
     expect_pressing(p.normal, p.puncture_force, p.friction, W * lambda + d, lambda,
                     1e-8 * d.norm());
     const Real ln = p.normal.dot(lambda);
@@ -154,7 +153,7 @@ TEST(PunctureLaw, PressingIsOnItsGraph) {
     const Vec3 delta = W * lambda + d;
     Mode after = mode;
     // Events only at the threshold while the surface yields.
-    EXPECT_EQ(suturing::PunctureLaw::event(p, delta, after, lambda),
+    EXPECT_EQ(PunctureLaw::event(p, delta, after, lambda),
               ln >= p.puncture_force * (1 - 1e-12) && p.normal.dot(delta) < 0);
   }
   EXPECT_GT(at_threshold, draws / 20);
@@ -167,14 +166,14 @@ TEST(PunctureLaw, PenetratedIsTheOneConsistentCase) {
   for (int i = 0; i < draws; ++i) {
     const Mat3 W = random_spd<3>(random);
     const Vec3 d = draw_vector<3>(random);
-    suturing::PunctureLaw::Params p;
+    PunctureLaw::Params p;
     p.axis = draw_unit(random);
     p.normal = -p.axis;
     p.cutting_force = i % 4 ? draw_positive(random, -2, 1) : 0;
     p.drag = i % 3 ? draw_positive(random, -2, 2) : 0;
-    Mode mode = suturing::PunctureLaw::penetrated;
-    const Vec3 lambda = project_twice<suturing::PunctureLaw>(W, d, p, mode);
-    ASSERT_EQ(mode, suturing::PunctureLaw::penetrated);
+    Mode mode = PunctureLaw::penetrated;
+    const Vec3 lambda = project_twice<PunctureLaw>(W, d, p, mode);
+    ASSERT_EQ(mode, PunctureLaw::penetrated);
     // Axial force r given or axial delta given; the two lateral deltas vanish. Lagrange form in
     // world axes.
     const Mat3 across = Mat3::Identity() - p.axis * p.axis.transpose();
@@ -201,15 +200,15 @@ TEST(PunctureLaw, PenetratedIsTheOneConsistentCase) {
 
 TEST(PunctureLaw, ContinuousWhereItYields) {
   // Normal z, w = 0.01: the threshold 1 N is met at d = -0.01.
-  suturing::PunctureLaw::Params p;
+  PunctureLaw::Params p;
   p.puncture_force = 1;
   p.friction = 0.3;
   const Mat3 W = 0.01 * Mat3::Identity();
   for (const Real slide : {0.001, 0.02}) {
-    Mode mode = suturing::PunctureLaw::pressing;
+    Mode mode = PunctureLaw::pressing;
     Vec3 a, b;
-    suturing::PunctureLaw::project(W, Vec3(slide, 0, -0.01 + 1e-12), p, mode, a);
-    suturing::PunctureLaw::project(W, Vec3(slide, 0, -0.01 - 1e-12), p, mode, b);
+    PunctureLaw::project(W, Vec3(slide, 0, -0.01 + 1e-12), p, mode, a);
+    PunctureLaw::project(W, Vec3(slide, 0, -0.01 - 1e-12), p, mode, b);
     EXPECT_LT((a - b).norm(), 3e-12 / 0.01);
     EXPECT_NEAR(b.z(), 1, 1e-9);
     EXPECT_NEAR(b.x(), -std::min(slide / 0.01, 0.3), 1e-9);
@@ -222,18 +221,18 @@ TEST(PunctureLaw, FromInsideIsTheMirrorImage) {
   for (int i = 0; i < 1000; ++i) {
     const Mat3 W = random_spd<3>(random);
     const Vec3 d = draw_vector<3>(random);
-    suturing::PunctureLaw::Params in;
+    PunctureLaw::Params in;
     in.normal = draw_unit(random);
     in.axis = -in.normal;
     in.puncture_force = 1;
     in.friction = 0.2;
-    suturing::PunctureLaw::Params out = in;
+    PunctureLaw::Params out = in;
     out.normal = -in.normal;
     out.axis = -in.axis;
-    Mode mode = suturing::PunctureLaw::pressing;
+    Mode mode = PunctureLaw::pressing;
     Vec3 a, b;
-    suturing::PunctureLaw::project(W, d, in, mode, a);
-    suturing::PunctureLaw::project(W, -d, out, mode, b);
+    PunctureLaw::project(W, d, in, mode, a);
+    PunctureLaw::project(W, -d, out, mode, b);
     EXPECT_LT((a + b).norm(), 1e-9 * (1 + a.norm()));
   }
 }

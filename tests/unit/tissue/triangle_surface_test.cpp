@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "near_triangles.h"
 #include "tissue_scene.h"
 
 namespace sutura::tissue {
@@ -28,6 +31,28 @@ TEST(TriangleSurface, EnclosesTheSolid) {
   Vec3 sum = Vec3::Zero();
   for (Index i = 0; i < rest.size(); ++i) sum += rest.area_normal(i);
   EXPECT_LT(sum.norm(), 1e-18);  // closed
+}
+
+TEST(TriangleSurface, WithATreeItFindsWhatASegmentComesNear) {
+  test::TissueScene s(block);
+  const MeshedSolid& solid = s.tissue();
+  test::NearTriangles near(solid);
+  const Real reach = 2e-3;
+  int met = 0;
+  for (int step = 0; step < 20; ++step) {
+    s.step();
+    const TriangleSurface now = solid.surface(Configuration::current);
+    const Segment segment{Vec3(-5e-3 + 1e-3 * step, 4e-3, 3e-3), Vec3(12e-3, 6e-3, -2e-3)};
+    std::vector<char> found(static_cast<std::size_t>(now.size()), 0);
+    near.visit(segment, reach, [&](Index i, const SegmentTriangle&) { found[i] = 1; });
+    for (Index i = 0; i < now.size(); ++i) {
+      const bool is_near =
+          closest_points(segment, now.corners(i)).squared_distance <= reach * reach;
+      EXPECT_EQ(found[i] != 0, is_near);
+      met += is_near;
+    }
+  }
+  EXPECT_GT(met, 20);
 }
 
 TEST(TriangleSurface, FollowsEachConfiguration) {
