@@ -63,7 +63,8 @@ struct StepReport {
   std::vector<std::string> messages;  ///< what is worth knowing of the bodies: "path: sentence"
   std::vector<std::string> faults;    ///< why this step cannot be trusted: "path: sentence"
   /// A component threw, or the scene asks for more rows than fit: the step is unfinished, and no
-  /// further one is taken. Also of recorders when a recording begins or ends.
+  /// further one is taken. Also of recorders when a recording begins or ends, and when a state is
+  /// saved or restored.
   std::optional<Diagnostic> failure;
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
@@ -121,7 +122,8 @@ class Simulation {
   std::string resume_recording();
 
   /// Everything that the next steps depend on: a simulation of the same scene that restores it
-  /// takes the same steps, to the bit (docs/concepts/state.md). Between steps only.
+  /// takes the same steps, to the bit (docs/concepts/state.md). Between steps only. Empty after a
+  /// `failure`, also one of a component that throws while it is saved.
   std::vector<std::byte> save();
   /// What keeps the state from being restored (damage, another scene, another build), in a
   /// sentence, or empty. All of that is found before anything is changed.
@@ -149,6 +151,10 @@ class Simulation {
  private:
   Simulation();
   void archive_run(Archive& archive);
+  template <class Call>
+  std::string with_state(const char* when, const Call& call);
+  std::vector<std::byte> state_now();
+  std::string read_state(std::span<const std::byte> state);
   bool settle(Diagnostics& diagnostics);
   using Timer = StageTimer<Stage, stage_names.size()>;
   /// Notes who is at work, so that one that throws can be named.

@@ -37,4 +37,8 @@ inline Mat3 cross_matrix(const Vec3& a) {
   return m;
 }
 
+/// The shortest rotation that takes the direction of `from` to that of `to`; where they are
+/// opposite, half a turn about some axis across.
+Quat shortest_rotation(const Vec3& from, const Vec3& to);
+
 }  // namespace sutura

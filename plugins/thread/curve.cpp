@@ -41,7 +41,7 @@ Pose curve_frame(const Rod& rod, Real s, Configuration c) {
   // The frame of a, carried to t without twist; then its share of the twist left over at b. Over
   // one turn per beam the turns come from the state.
   const auto carried = [&](const Vec3& to) {
-    return Quat::FromTwoVectors(qa * Vec3::UnitX(), to) * qa;
+    return shortest_rotation(qa * Vec3::UnitX(), to) * qa;
   };
   const Quat left = carried(qb * Vec3::UnitX()).conjugate() * qb;
   constexpr Real turn = 2 * std::numbers::pi;

@@ -88,7 +88,7 @@ ElementRest::ElementRest(const Pose& a, const Pose& b, Real arc_length, const Se
   chord = span.norm();
   const Vec3 e = span / chord;
   const Vec3 ta = x_axis(a.rotation), tb = x_axis(b.rotation);
-  const Quat frame = Quat::FromTwoVectors(ta, e) * a.rotation;
+  const Quat frame = shortest_rotation(ta, e) * a.rotation;
   frame_a = (a.rotation.conjugate() * frame).normalized();
   frame_b = (b.rotation.conjugate() * frame).normalized();
   const Vec3 wa = angle_vector(e, ta), wb = angle_vector(e, tb);

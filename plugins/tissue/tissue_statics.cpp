@@ -1,5 +1,8 @@
 #include "tissue_statics.h"
 
+#include <cmath>
+#include <limits>
+
 #include "node_rotations.h"
 #include "sutura/units.h"
 #include "tissue_solver.h"
@@ -37,16 +40,24 @@ std::string settle(TissueModel& model, const VecX& load, const Vec3& gravity, Ve
   const auto direct = make_direct_solver();
   direct->analyse(A.pattern(), model.held.fixed(), {});
   std::vector<Mat3> rotations;
-  constexpr Index most = 200;
+  // Newton halves what is missing in a few steps, or in a few more where the tissue buckles on the
+  // way. Under a load that has no balance it would go on for ever.
+  constexpr Index most = 200, patience = 30;
   // A millionth of what acts, or nothing left to move: the forces of stiff supports never add up to
   // less than their rounding.
   const Real tolerance = 1e-6 * outside.norm(), smallest = 1e-9 * model.edge_length;
   VecX next_x;
-  Real value = potential(x), left = 0;
+  Real value = potential(x), left = 0, half = std::numeric_limits<Real>::infinity();
+  Index halved = 0;  // the last step in which it was
   for (Index i = 0; i < most; ++i) {
     VecX step = linearise(model, weight, load, x, A);
     left = step.norm();
     if (left <= tolerance) return {};
+    if (left < half) {
+      half = left / 2;
+      halved = i;
+    }
+    if (i - halved > patience || !std::isfinite(left)) break;
     node_rotations(*model.mesh, x, rotations);
     direct->prepare(A, rotations, i);
     direct->solve(step);

@@ -77,8 +77,10 @@ RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
     else if (!simulation->record_error().empty())
       fail(RunEnd::file_failed, simulation->record_error());
     else if (result.message.empty() && interval > 0 && report.step % interval == 0)
-      if (std::string error = simulation->save(checkpoint_file(options.output)); !error.empty())
+      if (std::string error = simulation->save(checkpoint_file(options.output)); !error.empty()) {
+        fail_if_broken();
         fail(RunEnd::file_failed, std::move(error));
+      }
     if (observer && !observer(*simulation, report, result)) {
       if (result.message.empty()) result.end = RunEnd::stopped;
       break;

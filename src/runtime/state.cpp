@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "runtime/checkpoint_file.h"
+#include "runtime/failure.h"
 #include "sutura/archive.h"
 #include "sutura/plugin.h"
 #include "sutura/simulation.h"
@@ -77,10 +78,33 @@ void Simulation::archive_run(Archive& a) {
   }
   a("finite", report_.finite);
   builder_->archive(a);
-  if (default_solver_) default_solver_->archive(a);
+  if (default_solver_) ask(default_solver_.get()).archive(a);
+}
+
+/// A component that throws fails the simulation, as in a step; empty, or what is said of it.
+template <class Call>
+std::string Simulation::with_state(const char* when, const Call& call) {
+  if (!report_.failure) {
+    asked_ = nullptr;
+    try {
+      return call();
+    } catch (...) {
+      report_.failure = failure_of(asked_, when);
+    }
+  }
+  return report_.failure->text();
 }
 
 std::vector<std::byte> Simulation::save() {
+  std::vector<std::byte> state;
+  with_state("while its state was saved", [&] {
+    state = state_now();
+    return std::string();
+  });
+  return state;
+}
+
+std::vector<std::byte> Simulation::state_now() {
   std::vector<Chunk> chunks;
   const auto add = [&chunks](const std::string& name, const auto& fill) {
     Archive a;
@@ -93,11 +117,16 @@ std::vector<std::byte> Simulation::save() {
     a("build", build);
   });
   add("run", [this](Archive& a) { archive_run(a); });
-  for (Component* c : scene_->components()) add(c->path(), [c](Archive& a) { c->archive(a); });
+  for (Component* c : scene_->components())
+    add(c->path(), [this, c](Archive& a) { ask(c).archive(a); });
   return pack_chunks(chunks);
 }
 
 std::string Simulation::restore(std::span<const std::byte> state) {
+  return with_state("while its state was restored", [&] { return read_state(state); });
+}
+
+std::string Simulation::read_state(std::span<const std::byte> state) {
   std::vector<Chunk> chunks;
   if (std::string problem = unpack_chunks(state, chunks); !problem.empty()) return problem;
   const std::vector<Component*> components = scene_->components();
@@ -124,12 +153,13 @@ std::string Simulation::restore(std::span<const std::byte> state) {
   };
   std::string problem = read(1, "run", [this](Archive& a) { archive_run(a); });
   for (std::size_t i = 0; i < components.size() && problem.empty(); ++i)
-    problem = read(i + 2, components[i]->path(), [&](Archive& a) { components[i]->archive(a); });
+    problem =
+        read(i + 2, components[i]->path(), [&](Archive& a) { ask(components[i]).archive(a); });
   return problem;
 }
 
 std::string Simulation::save(const std::filesystem::path& file) {
-  return replace_file(file, save());
+  return with_state("while its state was saved", [&] { return replace_file(file, state_now()); });
 }
 
 std::string Simulation::restore(const std::filesystem::path& file) {

@@ -27,6 +27,23 @@ foreach(file IN LISTS package_files)
   endif()
 endforeach()
 
+# Every public header stands by itself: the precompiled headers of our own build would hide a missing include.
+file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include ${WORK}/prefix/include/*.h)
+foreach(header IN LISTS headers)
+  string(MAKE_C_IDENTIFIER ${header} name)
+  file(WRITE ${WORK}/headers/${name}.cpp "#include \"${header}\"\n")
+endforeach()
+file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
+project(headers LANGUAGES CXX)
+find_package(sutura CONFIG REQUIRED)
+file(GLOB sources *.cpp)
+add_library(headers OBJECT \${sources})
+target_compile_options(headers PRIVATE -fsyntax-only)
+target_link_libraries(headers PRIVATE sutura::sutura)
+")
+run(${CMAKE_COMMAND} -S ${WORK}/headers -B ${WORK}/build/headers -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix)
+run(${CMAKE_COMMAND} --build ${WORK}/build/headers)
+
 foreach(plugin hello_law hello_staple)
   run(${CMAKE_COMMAND} -S ${WORK}/${plugin} -B ${WORK}/build/${plugin} -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
       -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS=${FLAGS}")

@@ -35,8 +35,8 @@ RodLayout make_layout(const Case& c) {
       const Real radius = 4e-3, pitch = 1e-3;
       const Real a = p.position.x() / std::hypot(radius, pitch);
       p.position = Vec3(pitch * a, radius * std::sin(a), radius * (1 - std::cos(a)));
-      p.rotation = Quat::FromTwoVectors(Vec3::UnitX(),
-                                        Vec3(pitch, radius * std::cos(a), radius * std::sin(a)));
+      p.rotation =
+          shortest_rotation(Vec3::UnitX(), Vec3(pitch, radius * std::cos(a), radius * std::sin(a)));
     } else if (c.start == Start::disturbed) {  // by half a beam and 50 degrees
       p.position += 2e-3 * vector();
       p.rotation = rotated(p.rotation, 0.8 * vector());

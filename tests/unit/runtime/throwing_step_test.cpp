@@ -1,9 +1,11 @@
 // A component that throws in the middle of a step ends the simulation and is named, with the stage
 // and its line in the scene; so is one that makes more rows than a step may hold.
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 
 #include "runtime/failure.h"
+#include "sutura/archive.h"
 #include "sutura/run.h"
 #include "unit/runtime/toys.h"
 
@@ -16,6 +18,9 @@ class Bomb {
   std::string in;
 
  protected:
+  void pass_by_archive(Archive& a) const {
+    if (in == (a.restoring() ? "restore" : "save")) throw std::runtime_error("boom");
+  }
   void pass_by(const std::string& where, Index step = 1) const {
     if (where != in || step < 1) return;
     if (where == "detect") throw std::bad_alloc();
@@ -86,6 +91,7 @@ class BombClock : public Component, public Driver, public Bomb {
     d.attribute("in", static_cast<std::string BombClock::*>(&Bomb::in), "Where.");
   }
   void drive(const StepContext& c) override { pass_by("drive", c.step); }
+  void archive(Archive& a) override { pass_by_archive(a); }
 };
 
 class BombNotes : public Notes, public Bomb {
@@ -199,6 +205,43 @@ TEST(AThrowInARun, EndsItWithTheExitCodeOfAFault) {
   EXPECT_EQ(run("<BombSolver name='b'/><Mass name='m'/><Pin/>", diagnostics).end, RunEnd::failed);
   EXPECT_NE(diagnostics.all().front().text().find("[/b] BombSolver failed in stage 'solve'"),
             std::string::npos);
+}
+
+TEST(AThrowInAnArchive, NamesTheComponentAndEndsTheSimulation) {
+  const auto named = [](const std::string& how) {
+    return "test.xml:2: error: [/b] BombClock failed while its state was " + how +
+           ": boom (a fault in the plugin 'fireworks', not in the scene: please report it)";
+  };
+  const std::string head = "<plugin name='fireworks'/>\n<BombClock name='b' in='";
+  const World saves(head + "save'/><Mass/>", enrol), restores(head + "restore'/><Mass/>", enrol);
+  ASSERT_TRUE(saves.simulation && restores.simulation);
+  EXPECT_TRUE(saves.simulation->save().empty());
+  ASSERT_TRUE(saves.simulation->report().failure);
+  EXPECT_EQ(saves.simulation->save("never_written"), named("saved"));
+  EXPECT_FALSE(std::filesystem::exists("never_written"));
+
+  const std::vector<std::byte> state = restores.simulation->save();
+  EXPECT_EQ(restores.simulation->restore(state), named("restored"));
+  EXPECT_EQ(restores.simulation->step().step, 0) << "half restored, and goes on";
+}
+
+TEST(AThrowInAnArchive, EndsARunWithTheExitCodeOfAFault) {
+  Registry registry;
+  enrol_builtin(registry);
+  registry.component<Mass>("Mass");
+  enrol(registry);
+  Diagnostics diagnostics;
+  auto scene = load_scene_text(
+      "<sutura version='1' dt='10 ms'><plugin name='fireworks'/>\n<BombClock name='b' "
+      "in='save'/><Mass/>"
+      "</sutura>",
+      "test.xml", ".", registry, diagnostics);
+  ASSERT_TRUE(scene);
+  const RunResult result =
+      run_scene(std::move(scene), {.steps = 3, .checkpoint_every = 0.01}, diagnostics);
+  EXPECT_EQ(result.end, RunEnd::failed);
+  EXPECT_EQ(result.last, 1);
+  EXPECT_EQ(diagnostics.exit_code(), 70);
 }
 
 TEST(TooManyRows, AreAnErrorOfTheSceneThatNamesWhoMakesThem) {

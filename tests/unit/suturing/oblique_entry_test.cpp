@@ -44,7 +44,7 @@ struct ObliqueNeedle : RigidNeedle {
   }
   Vec3 tangent(Real, Configuration) const override { return -ahead(); }
   Pose frame(Real s, Configuration c) const override {
-    return {point(s, c), Quat::FromTwoVectors(Vec3::UnitX(), -ahead())};
+    return {point(s, c), shortest_rotation(Vec3::UnitX(), -ahead())};
   }
   Real closest_abscissa(const Vec3& p, Real, Real low, Real high, Configuration c) const override {
     return std::clamp(-ahead().dot(p - point(0, c)), low, high);

@@ -10,7 +10,7 @@ namespace sutura::thread {
 inline RodLayout straight_layout(Real length, Index beams, const Section& section,
                                  const Vec3& direction = Vec3::UnitX()) {
   RodLayout layout;
-  const Quat q = Quat::FromTwoVectors(Vec3::UnitX(), direction);
+  const Quat q = shortest_rotation(Vec3::UnitX(), direction);
   for (Index i = 0; i <= beams; ++i) {
     const Real s = length * static_cast<Real>(i) / static_cast<Real>(beams);
     layout.abscissa.push_back(s);

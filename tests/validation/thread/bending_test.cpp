@@ -81,7 +81,7 @@ Rod hanging(const Section& s, Index beams, Real span, Real g, bool pinned) {
     const Real x = span * u, a = 2 * std::numbers::pi * u;
     const Vec3 slope(span, 0, -sag / 2 * 2 * std::numbers::pi * std::sin(a));
     layout.start[i].position = Vec3(x, 0, -sag / 2 * (1 - std::cos(a)));
-    layout.start[i].rotation = Quat::FromTwoVectors(Vec3::UnitX(), slope);
+    layout.start[i].rotation = shortest_rotation(Vec3::UnitX(), slope);
   }
   Rod rod;
   rod.build(layout);
