@@ -125,6 +125,7 @@ std::string Simulation::restore(std::span<const std::byte> state) {
   std::string problem = read(1, "run", [this](Archive& a) { archive_run(a); });
   for (std::size_t i = 0; i < components.size() && problem.empty(); ++i)
     problem = read(i + 2, components[i]->path(), [&](Archive& a) { components[i]->archive(a); });
+  if (problem.empty()) report_.failure.reset();  // what threw stands where it stood before
   return problem;
 }
 
