@@ -15,10 +15,24 @@ from pathlib import Path
 
 from ._library import library as _c_library
 from ._library import text as _text
-from .errors import (Busy, Diagnostic, Diverged, Error, FileError, InternalError, LoadError,
-                     Misuse, NotFound, OutOfMemory, PluginError, SceneError, SuturaWarning)
+from .errors import (
+                     Busy,
+                     Diagnostic,
+                     Diverged,
+                     Error,
+                     FileError,
+                     InternalError,
+                     LoadError,
+                     Misuse,
+                     NotFound,
+                     OutOfMemory,
+                     PluginError,
+                     SceneError,
+                     SuturaWarning,
+)
+from .parts import Component, Input, Output, Shape
 from .scene import Element, Node, Scene, load, loads
-from .simulation import Component, Input, Output, Report, Shape, Simulation
+from .simulation import Report, Simulation
 
 __version__: str = _text(_c_library.sutura_version())
 #: Folder of the scenes that came with this package: scenes / "suture/prick.xml".

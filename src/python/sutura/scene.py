@@ -11,8 +11,10 @@ from xml.sax.saxutils import quoteattr
 
 from ._caller import caller
 from ._library import library
+from ._loading import OnMessage, PathLike, load_with
 from .errors import LoadError, Misuse
-from .simulation import OnMessage, PathLike, Simulation, load_with
+from .simulation import Simulation
+
 
 def value_text(value: Any) -> str:
     """An attribute as XML has it. Numbers are SI; a text may carry a unit: "30 kPa"."""
@@ -155,9 +157,9 @@ def load(file: PathLike, *, settings: Mapping[str, object] | None = None,
 
     SceneError, FileError or PluginError have file and line.
     """
-    return load_with(lambda options, handle: library.sutura_load(
+    return Simulation(*load_with(lambda options, handle: library.sutura_load(
         os.fsencode(file), options, handle), settings, plugin_path, output, allow_outside,
-        on_message)
+        on_message))
 
 
 def loads(xml: str, *, name: str = "scene", directory: PathLike | None = None,
@@ -168,6 +170,6 @@ def loads(xml: str, *, name: str = "scene", directory: PathLike | None = None,
     are looked for in `directory`."""
     data = xml.encode()
     where = None if directory is None else os.fsencode(directory)
-    return load_with(lambda options, handle: library.sutura_load_text(
+    return Simulation(*load_with(lambda options, handle: library.sutura_load_text(
         data, len(data), name.encode(), where, options, handle), settings, plugin_path, output,
-        allow_outside, on_message)
+        allow_outside, on_message))

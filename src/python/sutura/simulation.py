@@ -4,26 +4,21 @@ from __future__ import annotations
 
 import ctypes
 import os
-import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from ctypes import byref, c_char_p, c_double, c_size_t, c_uint64, c_void_p
+from ctypes import byref, c_char_p, c_size_t, c_uint64, c_void_p
 from dataclasses import dataclass
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _library
-from ._caller import caller
 from ._library import check, library, text
-from .errors import Misuse, NotFound, SuturaWarning
+from ._loading import Messages, PathLike
+from .errors import Misuse, NotFound
+from .parts import Component, Input, Output, Shape, Value, copied
 from .picture import svg
-
-Value = Union[float, NDArray[np.float64], str]
-PathLike = Union[str, "os.PathLike[str]"]
-#: Called with "note", "warning" or "error" and a sentence.
-OnMessage = Callable[[str, str], None]
 
 
 @dataclass(frozen=True)
@@ -41,139 +36,6 @@ class Report:
     imbalance: float  #: of momentum, relative to the forces at work
     violation: float  #: m, the largest distance of a constraint from its law
     seconds: float  #: wall time
-
-
-class Port:
-    """An input or an output of a component: what it is, and its handle."""
-
-    def __init__(self, handle: int, about: _library.CValue):
-        self._handle = handle
-        self.path = text(about.path)  #: of the component, "/track"
-        self.name = text(about.name)  #: "position"
-        self.unit = text(about.unit)  #: SI
-        self.doc = text(about.doc)  #: one sentence
-        self.size = int(about.size)  #: numbers, 1 or 3; 0: a text
-        self.low, self.high = float(about.low), float(about.high)  #: admissible
-
-    @property
-    def full_name(self) -> str:
-        """As in sim["/track.position"]."""
-        return f"{self.path}.{self.name}"
-
-
-class Input(Port):
-    """A value that holds from the next step on."""
-
-    def set(self, value: ArrayLike) -> None:
-        """`value`: a number, or three. Misuse if it is not finite or out of range."""
-        numbers = np.ascontiguousarray(value, dtype=np.float64).ravel()
-        pointer = numbers.ctypes.data_as(ctypes.POINTER(c_double))
-        check(library.sutura_set_input(self._handle, pointer, numbers.size))
-
-    def __repr__(self) -> str:
-        return f"<input {self.full_name} [{self.unit}]: {self.doc}>"
-
-
-class Output(Port):
-    """A value at the end of the last step."""
-
-    def read(self) -> Value:
-        """A number, an array of three, or a text."""
-        if self.size == 0:
-            words = c_char_p()
-            check(library.sutura_get_text(self._handle, byref(words)))
-            return text(words.value)
-        numbers = np.empty(self.size)
-        pointer = numbers.ctypes.data_as(ctypes.POINTER(c_double))
-        check(library.sutura_get_output(self._handle, pointer, self.size))
-        return float(numbers[0]) if self.size == 1 else numbers
-
-    def __repr__(self) -> str:
-        return f"<output {self.full_name} [{self.unit}]: {self.doc}>"
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A body at the end of a step. The arrays are read-only and stay as they are."""
-
-    points: NDArray[np.float64]  #: n x 3, m
-    cells: NDArray[np.int64]  #: cells x 2 (beams) or x 4 (tetrahedra): numbers of points
-    topology: int  #: another number whenever cells or the number of points are others
-    fields: Mapping[str, NDArray[np.float64]]  #: "velocity [m/s]": one row per point or cell
-
-
-def _copied(pointer: Any, shape: tuple[int, ...], kind: Any) -> NDArray[Any]:
-    if 0 in shape:
-        return np.empty(shape, dtype=kind)
-    out = np.ctypeslib.as_array(pointer, shape=shape).copy()
-    out.flags.writeable = False
-    return out
-
-
-class Component:
-    """One component of a scene: `sim["/suture"]`."""
-
-    def __init__(self, sim: Simulation, about: _library.CComponent):
-        self._sim = sim
-        self.path = text(about.path)  #: "/skin/tissue"
-        self.type = text(about.type)  #: "Tissue"
-        self.plugin = text(about.plugin)  #: "tissue"
-        self.summary = text(about.summary)
-        self.line = int(about.line)  #: in the file of the scene
-
-    def __getitem__(self, name: str) -> Value:
-        """The value of an output: sim["/grasper"]["force"]."""
-        return self._sim._read(f"{self.path}.{name}")
-
-    def __setitem__(self, name: str, value: ArrayLike) -> None:
-        """Sets an input: sim["/grasper"]["hold"] = 0."""
-        self._sim[f"{self.path}.{name}"] = value
-
-    @property
-    def inputs(self) -> dict[str, Input]:
-        """By name."""
-        return {i.name: i for i in self._sim.inputs.values() if i.path == self.path}
-
-    @property
-    def outputs(self) -> dict[str, Output]:
-        """By name."""
-        return {o.name: o for o in self._sim.outputs.values() if o.path == self.path}
-
-    @property
-    def shape(self) -> Shape:
-        """Points, cells and fields of a body; Misuse for a component that is none."""
-        return self._sim._shape(self.path)
-
-    @property
-    def positions(self) -> NDArray[np.float64]:
-        """Of the points of a body, n x 3 (m), at the end of the last step."""
-        return self.shape.points
-
-    @property
-    def cells(self) -> NDArray[np.int64]:
-        """Of a body: numbers of points, two per beam or four per tetrahedron."""
-        return self.shape.cells
-
-    @property
-    def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Of a tool: position (m) and unit quaternion w x y z by which it is away from where it
-        was modelled, at the end of the last step. Set, it is where the tool is at the end of
-        the next."""
-        numbers = (c_double * 7)()
-        check(library.sutura_get_pose(self._sim._tool(self.path), numbers))
-        both = np.array(numbers)
-        return both[:3], both[3:]
-
-    @pose.setter
-    def pose(self, pose: tuple[ArrayLike, ArrayLike]) -> None:
-        position, quaternion = pose
-        numbers = np.concatenate([np.ravel(position), np.ravel(quaternion)]).astype(np.float64)
-        if numbers.size != 7:
-            raise Misuse("a pose is a position, three numbers, and a quaternion w x y z, four")
-        check(library.sutura_set_pose(self._sim._tool(self.path), (c_double * 7)(*numbers)))
-
-    def __repr__(self) -> str:
-        return f"<{self.type} {self.path}>"
 
 
 class Simulation:
@@ -324,7 +186,8 @@ class Simulation:
         if not self._handle:
             return "<sutura simulation, closed>"
         r = self._report()
-        return f"<sutura simulation, step {r.step}, {r.time:.4g} s, {len(self.components)} components>"
+        count = len(self.components)
+        return f"<sutura simulation, step {r.step}, {r.time:.4g} s, {count} components>"
 
     # Handles
 
@@ -381,9 +244,9 @@ class Simulation:
             f = _library.CField()
             check(library.sutura_get_field(body, number, f))
             size = (f.count,) if f.components == 1 else (f.count, f.components)
-            fields[text(f.name)] = _copied(f.values, size, np.float64)
-        shape = Shape(_copied(g.points, (g.point_count, 3), np.float64),
-                      _copied(g.cells, (g.cell_count, g.corners), np.int64), g.topology, fields)
+            fields[text(f.name)] = copied(f.values, size, np.float64)
+        shape = Shape(copied(g.points, (g.point_count, 3), np.float64),
+                      copied(g.cells, (g.cell_count, g.corners), np.int64), g.topology, fields)
         self._shapes[path] = (self._changes, shape)
         return shape
 
@@ -395,48 +258,3 @@ class Simulation:
             _, question, rest = str(error).partition("; did you mean")
             return question + rest
         return ""
-
-
-class Messages:
-    """What a simulation says, on its way to Python."""
-
-    NAMES = {0: "note", 1: "warning", 2: "error"}
-
-    def __init__(self, receive: OnMessage | None):
-        self._receive = receive
-        self._waiting: list[tuple[str, str]] = []
-        self.callback = _library.Message(self._take)
-
-    def _take(self, _: Any, severity: int, sentence: bytes) -> None:
-        self._waiting.append((self.NAMES.get(severity, "note"), text(sentence)))
-
-    @contextmanager
-    def delivered(self) -> Iterator[None]:
-        """Messages reach Python code when the call is over, so that it may raise."""
-        try:
-            yield
-        finally:
-            waiting, self._waiting = self._waiting, []
-            for severity, sentence in waiting:
-                if self._receive is not None:
-                    self._receive(severity, sentence)
-                elif severity == "warning":
-                    warnings.warn_explicit(sentence, SuturaWarning, *caller())
-
-
-def load_with(call: Callable[[Any, Any], int], settings: Mapping[str, object] | None,
-              plugin_path: Sequence[PathLike], output: PathLike | None, allow_outside: bool,
-              on_message: OnMessage | None) -> Simulation:
-    """`call` is given options and where the handle goes."""
-    pairs = [t.encode() for pair in (settings or {}).items() for t in map(str, pair)]
-    folders = [os.fsencode(f) for f in plugin_path]
-    messages = Messages(on_message)
-    options = _library.Options(
-        api=_library.API, plugin_directories=(c_char_p * len(folders))(*folders),
-        plugin_directory_count=len(folders), settings=(c_char_p * len(pairs))(*pairs),
-        setting_count=len(pairs) // 2, output=os.fsencode(output) if output is not None else None,
-        allow_outside=int(allow_outside), message=messages.callback)
-    handle = c_uint64()
-    with messages.delivered():
-        _library.check_load(call(options, byref(handle)))
-    return Simulation(handle.value, messages)
