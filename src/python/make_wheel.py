@@ -85,6 +85,7 @@ def gather(prefix: Path, package: Path, licences: Path) -> str:
     shutil.copy2(shared, lib / "libsutura.so.0")
     for plugin in (shared.parent / "sutura").glob("libsutura_*.so"):
         shutil.copy2(plugin, lib / "sutura")
+    shutil.copy2(shared.parent / "sutura_fmu.so", lib)
     shutil.copy2(prefix / "bin/sutura", package / "bin")
     ours = [*lib.rglob("*.so*"), package / "bin/sutura"]
     for file in ours:

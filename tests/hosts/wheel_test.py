@@ -60,6 +60,8 @@ def main() -> None:
         run(python, examples / "write.py", folder=folder, expect="did you mean 'thread_length'?")
         run(folder / "venv/bin/sutura", "describe", "Tissue", folder=folder, expect="young")
         run(python, "-m", "sutura", "--version", folder=folder, expect="sutura 0.")
+        run(folder / "venv/bin/sutura", "fmu", SOURCE / "scenes/components/Grasper.xml",
+            folder=folder, expect="Grasper.fmu: ")
 
 
 if __name__ == "__main__":
