@@ -1,5 +1,7 @@
 #include "fmu/instance.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -44,7 +46,15 @@ fmi3Status Instance::refuse(const std::string& sentence, fmi3Status status) cons
 }
 
 bool Instance::load(const std::string& resources) {
+  // Our own plugins: libsutura may be that of another FMU in this process, whose folder is gone.
+  Dl_info info{};
+  dladdr(reinterpret_cast<const void*>(&report_of), &info);
+  std::string folder = info.dli_fname == nullptr ? "" : info.dli_fname;
+  folder = folder.substr(0, folder.rfind('/') + 1) + "sutura";
+  const char* const folders[] = {folder.c_str()};
   sutura_options options{};
+  options.plugin_directories = folders;
+  options.plugin_directory_count = 1;
   options.struct_size = sizeof options;
   options.api = SUTURA_API;
   options.user = this;

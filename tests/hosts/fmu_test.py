@@ -5,13 +5,24 @@
 
 import csv
 import ctypes
+import importlib.util
 import subprocess
 import sys
 import tempfile
 import unittest
 import zipfile
-from ctypes import (CFUNCTYPE, POINTER, byref, c_bool, c_char_p, c_double, c_int, c_size_t,
-                    c_uint8, c_uint32, c_void_p)
+from ctypes import (
+    CFUNCTYPE,
+    byref,
+    c_bool,
+    c_char_p,
+    c_double,
+    c_int,
+    c_size_t,
+    c_uint8,
+    c_uint32,
+    c_void_p,
+)
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -19,6 +30,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 SCENE = SOURCE / "scenes/suture/prick.xml"
 BUILD = Path(sys.argv.pop(1)).resolve()
 STEPS = 30
+HAS_FMPY = importlib.util.find_spec("fmpy") is not None
 
 
 class Importer:
@@ -249,6 +261,18 @@ class Fmu(unittest.TestCase):
             stdout=subprocess.PIPE).stdout.split("\n")
         functions = {n.split()[0] for n in names if n.startswith("fmi3")}
         self.assertEqual(len(functions), 75)  # that fmi3Functions.h of the standard declares
+
+    @unittest.skipUnless(HAS_FMPY, "FMPy is not installed")
+    def test_fmpy(self):
+        import fmpy
+        from fmpy.validation import validate_fmu
+        self.assertEqual(validate_fmu(str(self.folder / "prick.fmu")), [])
+        result = fmpy.simulate_fmu(str(self.folder / "prick.fmu"), stop_time=0.2,
+                                   output=self.NAMES)
+        fmu = self.importer()
+        fmu.begin()
+        self.assertEqual([[row[n] for n in self.NAMES] for row in result[1:]],
+                         fmu.run(20, self.NAMES))
 
     def test_the_command_says_what_is_wrong(self):
         command = BUILD / "bin/sutura"
