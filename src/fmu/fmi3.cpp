@@ -100,6 +100,7 @@ FMI3 fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference* r
 
 FMI3 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {
   return on(instance, [&](Instance& self) {
+    if (state == nullptr) return self.refuse("there is no place for the state");
     auto bytes = std::make_unique<std::vector<char>>();
     if (!self.save(*bytes)) return self.refuse(sutura_error());
     delete static_cast<std::vector<char>*>(*state);
@@ -118,6 +119,7 @@ FMI3 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
 
 FMI3 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState* state) {
   return on(instance, [&](Instance&) {
+    if (state == nullptr) return fmi3OK;
     delete static_cast<std::vector<char>*>(*state);
     *state = nullptr;
     return fmi3OK;
@@ -127,7 +129,7 @@ FMI3 fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState* state) {
 FMI3 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
                                            std::size_t* size) {
   return on(instance, [&](Instance& self) {
-    if (state == nullptr) return self.refuse("there is no state");
+    if (state == nullptr || size == nullptr) return self.refuse("there is no state");
     *size = static_cast<const std::vector<char>*>(state)->size();
     return fmi3OK;
   });
@@ -146,7 +148,8 @@ FMI3 fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state,
 
 FMI3 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte* bytes,
                                         std::size_t size, fmi3FMUState* state) {
-  return on(instance, [&](Instance&) {
+  return on(instance, [&](Instance& self) {
+    if (state == nullptr || bytes == nullptr) return self.refuse("there is no state");
     auto fresh = std::make_unique<std::vector<char>>(bytes, bytes + size);
     delete static_cast<std::vector<char>*>(*state);
     *state = fresh.release();

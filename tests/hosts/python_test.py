@@ -95,9 +95,17 @@ class Bits(unittest.TestCase):
                 comma = held_thread().load(settings={".dt": "2.5 ms"})
                 comma.step(3)
                 self.assertEqual(locale.setlocale(locale.LC_ALL), "de_DE.UTF-8")
+                probe = sutura.load(SCENES / "components/CsvProbe.xml", output=f"{folder}/comma")
+                with probe.recording():
+                    probe.step(5)
             finally:
                 locale.setlocale(locale.LC_ALL, "C")
                 del os.environ["LOCPATH"]
+            probe = sutura.load(SCENES / "components/CsvProbe.xml", output=f"{folder}/plain")
+            with probe.recording():
+                probe.step(5)
+            self.assertEqual(Path(folder, "comma/probe.csv").read_bytes(),
+                             Path(folder, "plain/probe.csv").read_bytes())
             self.assertEqual(comma.save(), plain.save())
             self.assertEqual(comma.xml, plain.xml)
 

@@ -58,4 +58,33 @@ inline std::vector<std::byte> state_after(const std::string& file, std::size_t s
   return out;
 }
 
+/// Settings by which factors are adopted a fixed number of steps after their snapshot: those that
+/// are adopted when they are ready depend on the clock.
+inline std::vector<std::string> fixed_lags(const std::string& file) {
+  std::vector<std::string> out;
+  const sutura_simulation s = load(file);
+  std::size_t count = 0;
+  EXPECT_EQ(sutura_component_count(s, &count), SUTURA_OK);
+  for (std::size_t i = 0; i < count; ++i) {
+    sutura_component c{};
+    c.struct_size = sizeof c;
+    EXPECT_EQ(sutura_component_at(s, i, &c), SUTURA_OK);
+    if (std::string(c.type) != "AsyncPreconditioner") continue;
+    out.push_back(std::string(c.path) + ".lag");
+    out.push_back("3");
+  }
+  EXPECT_EQ(sutura_destroy(s), SUTURA_OK);
+  return out;
+}
+
+inline sutura_simulation load_fixed(const std::string& file) {
+  const std::vector<std::string> settings = fixed_lags(file);
+  std::vector<const char*> texts;
+  for (const std::string& s : settings) texts.push_back(s.c_str());
+  sutura_options how = options();
+  how.settings = texts.data();
+  how.setting_count = texts.size() / 2;
+  return load(file, &how);
+}
+
 }  // namespace sutura::host_tests
