@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "base/floating_point.h"
 #include "host/session.h"
 
 namespace sutura::host {
@@ -14,23 +15,6 @@ inline constexpr sutura_status ok = SUTURA_OK;
 
 /// Notes the sentence for sutura_error and returns the status.
 sutura_status fail(sutura_status status, const std::string& sentence) noexcept;
-
-/// Rounding to nearest, no traps, no flushing of small numbers; the host's own mode comes back at
-/// the end, its flags as they were.
-class FloatingPoint {
- public:
-  FloatingPoint() {
-    std::fegetenv(&host_);
-    std::fesetenv(FE_DFL_ENV);
-  }
-  ~FloatingPoint() { std::fesetenv(&host_); }
-  FloatingPoint(const FloatingPoint&) = delete;
-  FloatingPoint& operator=(const FloatingPoint&) = delete;
-  const std::fenv_t& of_host() const { return host_; }
-
- private:
-  std::fenv_t host_;
-};
 
 /// One call on one session. Not `ok` if the handle leads nowhere or another call is at work.
 class Entry {

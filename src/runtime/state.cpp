@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "base/floating_point.h"
 #include "runtime/checkpoint_file.h"
 #include "sutura/archive.h"
 #include "sutura/plugin.h"
@@ -98,6 +99,7 @@ std::vector<std::byte> Simulation::save() {
 }
 
 std::string Simulation::restore(std::span<const std::byte> state) {
+  const FloatingPoint mode;
   std::vector<Chunk> chunks;
   if (std::string problem = unpack_chunks(state, chunks); !problem.empty()) return problem;
   const std::vector<Component*> components = scene_->components();

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/floating_point.h"
 #include "base/stage_timer.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
@@ -13,6 +14,7 @@ namespace sutura {
 /// What throws leaves the bodies where they are in the middle of the step: it is the last one.
 const StepReport& Simulation::step() {
   if (report_.failure) return report_;
+  const FloatingPoint mode;
   const Index number = report_.step + 1;
   Timer timer(report_.seconds);
   begin_report();

@@ -5,7 +5,9 @@
 #include <cfenv>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "unit/host/loaded.h"
 
@@ -100,6 +102,33 @@ TEST(Process, MessagesComeInTheHostsMode) {
             SUTURA_BAD_SCENE);
   std::fesetround(FE_TONEAREST);
   EXPECT_EQ(found, FE_DOWNWARD);
+}
+
+/// Numbers of the threads of this process, and the signals that each of them blocks.
+std::map<std::string, std::string> threads() {
+  std::map<std::string, std::string> out;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream status(entry.path() / "status");
+    for (std::string line; std::getline(status, line);)
+      if (line.starts_with("SigBlk:")) out[entry.path().filename()] = line.substr(8);
+  }
+  return out;
+}
+
+TEST(Process, HandlersOfTheHostDoNotRunOnOurWorkers) {
+  const std::string scene = scenes + "suture/first_stitch.xml";
+  state_after(scene, 1);  // libraries start what they start
+  const auto before = threads();
+  const sutura_simulation s = load(scene);
+  ASSERT_EQ(sutura_step(s, 50), SUTURA_OK) << sutura_error();
+  int ours = 0;
+  for (const auto& [number, blocked] : threads()) {
+    if (before.contains(number)) continue;
+    ++ours;
+    EXPECT_EQ(blocked.substr(8), "7ffbfeff") << "SIGINT, SIGALRM, SIGTERM and the like";
+  }
+  EXPECT_GT(ours, 0) << "the scene does not show what this test is about";
+  EXPECT_EQ(sutura_destroy(s), SUTURA_OK);
 }
 
 // METIS, which orders the tissue, seeds and draws from the C library's random numbers.
