@@ -5,8 +5,7 @@ import sutura
 
 sim = sutura.load(sutura.scenes / "suture/first_stitch.xml")
 names = ["/tools/holder.force", "/tools/puller.force"]
-curves = [[r.time, *(np.linalg.norm(sim[name]) for name in names)] for r in sim.run()]
-time, *forces = np.transpose(curves)
-plt.plot(time, np.transpose(forces), label=names)
+curves = np.array([[r.time, *(np.linalg.norm(sim[n]) for n in names)] for r in sim.run()])
+plt.plot(curves[:, 0], curves[:, 1:], label=names)
 plt.xlabel("time [s]"), plt.ylabel("force [N]"), plt.legend()
 plt.savefig("force.png")
