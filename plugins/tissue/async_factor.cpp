@@ -1,5 +1,8 @@
 #include "async_factor.h"
 
+#include <pthread.h>
+#include <signal.h>
+
 #include <algorithm>
 #include <cassert>
 #include <new>
@@ -27,8 +30,23 @@ bool SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
   return analyse;
 }
 
+namespace {
+
+/// Signals of the process go to workers of the host: its handlers do not run on ours.
+template <class Run>
+std::thread deaf_thread(const Run& run) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::thread out(run);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return out;
+}
+
+}  // namespace
+
 FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook)
-    : plan_(std::move(plan)), hook_(std::move(hook)), thread_([this] { run(); }) {}
+    : plan_(std::move(plan)), hook_(std::move(hook)), thread_(deaf_thread([this] { run(); })) {}
 
 FactorWorker::~FactorWorker() {
   {

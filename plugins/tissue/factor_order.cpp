@@ -8,11 +8,28 @@
 #ifdef SUTURA_WITH_CHOLMOD
 #include <metis.h>
 
+#include <cstdlib>
 #include <mutex>
 #endif
 
 namespace sutura::tissue {
 namespace {
+
+#ifdef SUTURA_WITH_CHOLMOD
+/// METIS seeds and draws from the random numbers of the C library. While this lives they come from
+/// a state of their own, and those of the host go on where they were.
+class OwnRandomNumbers {
+ public:
+  OwnRandomNumbers() : of_host_(initstate(1, state_, sizeof state_)) {}
+  ~OwnRandomNumbers() { setstate(of_host_); }
+  OwnRandomNumbers(const OwnRandomNumbers&) = delete;
+  OwnRandomNumbers& operator=(const OwnRandomNumbers&) = delete;
+
+ private:
+  char state_[128];  // as long as the library's own: the same generator
+  char* of_host_;
+};
+#endif
 
 std::vector<std::int32_t> minimum_degree(const std::vector<std::int32_t>& start,
                                          const std::vector<std::int32_t>& neighbour) {
@@ -42,10 +59,11 @@ std::vector<std::int32_t> fill_reducing_order(const std::vector<std::int32_t>& s
     static_assert(sizeof(idx_t) == sizeof(std::int32_t));
     auto n = static_cast<idx_t>(start.size() - 1);
     std::vector<idx_t> xadj(start), adjacency(neighbour), order(start.size() - 1), position(order);
-    // METIS seeds and draws from the random numbers of the C library: two calls at once would
-    // disturb each other's sequence, and with it the order and the last bits of every result.
+    // Two calls at once would disturb each other's random numbers, and with them the order and the
+    // last bits of every result.
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
+    const OwnRandomNumbers own;
     if (METIS_NodeND(&n, xadj.data(), adjacency.data(), nullptr, nullptr, order.data(),
                      position.data()) == METIS_OK)
       return order;

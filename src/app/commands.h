@@ -38,9 +38,15 @@ struct DescribeArguments {
   std::vector<std::string> plugin_directories;
 };
 
+struct FmuArguments {
+  SceneArguments scene;
+  std::string output;  ///< file; empty: NAME.fmu in the current folder
+};
+
 int run(const RunArguments& arguments);
 int check(const SceneArguments& arguments);
 int describe(const DescribeArguments& arguments);
+int fmu(const FmuArguments& arguments);
 
 /// Prints every diagnostic to standard error and returns the exit code.
 int report(const Diagnostics& diagnostics);

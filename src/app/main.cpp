@@ -89,6 +89,14 @@ int dispatch(int argc, char** argv) {
       ->capture_default_str();
   add_plugin_path(*describe_command, describe_arguments.plugin_directories);
 
+  FmuArguments fmu_arguments;
+  CLI::App* fmu_command = app.add_subcommand(
+      "fmu", "Packs a scene with all that it needs into an FMU (FMI 3.0, co-simulation)");
+  add_scene(*fmu_command, fmu_arguments.scene);
+  fmu_command
+      ->add_option("--output", fmu_arguments.output, "The file to write; default: NAME.fmu here")
+      ->type_name("FILE");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -96,6 +104,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run_command->parsed()) return run(run_arguments);
   if (check_command->parsed()) return check(check_arguments);
+  if (fmu_command->parsed()) return fmu(fmu_arguments);
   return describe(describe_arguments);
 }
 

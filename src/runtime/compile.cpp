@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/floating_point.h"
 #include "runtime/failure.h"
 #include "runtime/gauss_seidel_component.h"
 #include "runtime/output_folder.h"
@@ -59,6 +60,7 @@ Simulation::~Simulation() = default;
 std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
                                                 const std::filesystem::path& output_directory,
                                                 Diagnostics& diagnostics, bool allow_outside) {
+  const FloatingPoint mode;
   std::unique_ptr<Simulation> s(new Simulation);
   s->scene_ = std::move(scene);
   const std::vector<Component*> document = s->scene_->components();

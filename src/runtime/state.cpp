@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "base/floating_point.h"
 #include "runtime/checkpoint_file.h"
 #include "runtime/failure.h"
 #include "sutura/archive.h"
@@ -127,6 +128,7 @@ std::string Simulation::restore(std::span<const std::byte> state) {
 }
 
 std::string Simulation::read_state(std::span<const std::byte> state) {
+  const FloatingPoint mode;
   std::vector<Chunk> chunks;
   if (std::string problem = unpack_chunks(state, chunks); !problem.empty()) return problem;
   const std::vector<Component*> components = scene_->components();
@@ -155,6 +157,7 @@ std::string Simulation::read_state(std::span<const std::byte> state) {
   for (std::size_t i = 0; i < components.size() && problem.empty(); ++i)
     problem =
         read(i + 2, components[i]->path(), [&](Archive& a) { ask(components[i]).archive(a); });
+  if (problem.empty()) report_.failure.reset();  // what threw stands where it stood before
   return problem;
 }
 

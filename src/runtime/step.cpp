@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/floating_point.h"
 #include "base/stage_timer.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
@@ -13,6 +14,7 @@ namespace sutura {
 /// What throws leaves the bodies where they are in the middle of the step: it is the last one.
 const StepReport& Simulation::step() {
   if (report_.failure) return report_;
+  const FloatingPoint mode;
   const Index number = report_.step + 1;
   Timer timer(report_.seconds);
   begin_report();
@@ -169,7 +171,7 @@ void Simulation::build(const StepContext& context, Timer& timer) {
 }
 
 /// Momentum and violation of the present guess, with rows and forces as they are there. Where the
-/// gaps are good, a body within half of the tolerance stays as it is in the next pass, which is for
+/// gaps are good, a body well within the tolerance stays as it is in the next pass, which is for
 /// the others: often the thread alone, at a hundredth of the cost of the tissue. What changes of
 /// the forces on it counts in its balance.
 bool Simulation::measure(const StepContext& context) {
@@ -181,7 +183,7 @@ bool Simulation::measure(const StepContext& context) {
     constraint_force(i);
     imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);
     good = good && imbalance_[i].relative <= limits.tolerance;
-    settled_[i] = close && imbalance_[i].relative <= limits.tolerance / 2;
+    settled_[i] = close && imbalance_[i].relative <= limits.tolerance / 20;
     violation_ += 0 * imbalance_[i].relative;  // not finite if any is
   }
   return good;

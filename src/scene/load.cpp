@@ -1,6 +1,7 @@
 // The way in: a file or a text becomes a scene, or errors.
 #include <fstream>
 
+#include "base/floating_point.h"
 #include "scene/links.h"
 #include "scene/nearest_file.h"
 #include "scene/reader.h"
@@ -38,6 +39,7 @@ std::optional<std::string> read_file(const std::filesystem::path& file, Diagnost
 std::unique_ptr<Scene> load_scene_text(std::string_view text, const std::string& name,
                                        const std::filesystem::path& directory, Registry& registry,
                                        Diagnostics& diagnostics, const LoadOptions& options) {
+  const FloatingPoint mode;  // reading a number rounds it
   const std::size_t errors_before = diagnostics.errors();
   auto scene = std::make_unique<Scene>();
   scene->file = directory / std::filesystem::path(name).filename();

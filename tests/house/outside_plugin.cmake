@@ -60,6 +60,18 @@ if(NOT last_output MATCHES "the jaws pull with [0-9.]+ mN")
   message(FATAL_ERROR "the host says\n${last_output}")
 endif()
 
+# A host in C, as docs/embed/c.md lists it: compiled by its pkg-config file alone, to the bits of the command.
+file(GLOB_RECURSE pc ${WORK}/prefix/*/sutura.pc)
+cmake_path(GET pc PARENT_PATH pc_folder)
+run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc_folder} sh -c
+    "cc -std=c99 -Wall -Wextra -Wpedantic -Werror ${FLAGS} ${SOURCE}/tests/hosts/stitch.c -o ${WORK}/stitch \
+     $(pkg-config --cflags --libs sutura) -Wl,-rpath,$(pkg-config --variable=libdir sutura)")
+run(${WORK}/stitch ${SOURCE}/scenes/suture/prick.xml 20 /grasper.force ${WORK}/host_files)
+message(STATUS "${last_output}")
+run(${WORK}/prefix/bin/sutura run ${SOURCE}/scenes/suture/prick.xml --steps 20 --checkpoint-every 0.2 --output ${WORK}/command_files)
+run(${CMAKE_COMMAND} -E compare_files ${WORK}/host_files/host.sutura ${WORK}/command_files/checkpoint.sutura)
+run(${CMAKE_COMMAND} -E compare_files ${WORK}/host_files/probe.csv ${WORK}/command_files/probe.csv)
+
 # The command finds the plugins of the package by itself and the stranger's by the variable.
 foreach(scene hello_law/band.xml hello_staple/staple.xml)
   run(${CMAKE_COMMAND} -E env SUTURA_PLUGIN_PATH=${WORK}/build/hello_law:${WORK}/build/hello_staple
