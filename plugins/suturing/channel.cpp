@@ -93,14 +93,15 @@ EmbeddedPoint Channel::embed(const Vec3& point) const {
 }
 
 /// Where the needle behind its tip goes through the surface: after a sudden puncture that is not
-/// quite where the tip pressed.
-EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed) const {
+/// quite where the tip pressed. `facing`: the way its outward normal leans.
+EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const {
   const Real reach = search_length(tissue_.position(pressed, Configuration::current));
   Vec3 from = tip();
   for (Real s = 0; s < reach;) {
     s = std::min(s + search_step * spacing_, reach);
     const Vec3 to = thread_.point(s, Configuration::current);
-    if (const auto hit = tissue_.crossing(from, to, Configuration::current)) return hit->at;
+    if (const auto hit = tissue_.crossing(from, to, Configuration::current, facing))
+      return hit->at;
     from = to;
   }
   return pressed;
@@ -108,7 +109,7 @@ EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed) const {
 
 void Channel::enter(const EmbeddedPoint& pressed) {
   samples_.resize(passed_);  // what an earlier, abandoned channel left
-  const EmbeddedPoint mouth = mouth_at_needle(pressed);
+  const EmbeddedPoint mouth = mouth_at_needle(pressed, -advance_direction());
   const Vec3 at = tissue_.position(mouth, Configuration::current);
   const Real s = thread_.closest_abscissa(at, 0, 0, search_length(at), Configuration::current);
   push(mouth, 0, s, PathSample::Kind::entry);
@@ -119,7 +120,7 @@ void Channel::enter(const EmbeddedPoint& pressed) {
 
 void Channel::leave(const EmbeddedPoint& pressed) {
   samples_.resize(passed_);
-  const EmbeddedPoint mouth = mouth_at_needle(pressed);
+  const EmbeddedPoint mouth = mouth_at_needle(pressed, advance_direction());
   const Vec3 at = tissue_.position(mouth, Configuration::current);
   const PathSample last = samples_.back();
   const Real s =

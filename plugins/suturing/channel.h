@@ -79,7 +79,7 @@ class Channel {
   void readvance();
   void record();
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
-  EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed) const;
+  EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;
   Real mouth_radius() const;
   Real search_length(const Vec3& at) const;

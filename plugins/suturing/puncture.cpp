@@ -175,7 +175,7 @@ Puncture::Front Puncture::find_exit() {
   // A tip that tents the surface holds back all points of its footprint on average. It may stand
   // before or behind a single facet.
   if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start, forward);
-  if (!hit || hit->normal.dot(forward) <= 0) return Front::none;
+  if (!hit) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;
   return Front::exit;

@@ -2,6 +2,7 @@
 #include "runtime/state.h"
 
 #include <cstdio>
+#include <utility>
 
 #include "base/floating_point.h"
 #include "runtime/checkpoint_file.h"
@@ -124,7 +125,12 @@ std::vector<std::byte> Simulation::state_now() {
 }
 
 std::string Simulation::restore(std::span<const std::byte> state) {
-  return with_state("while its state was restored", [&] { return read_state(state); });
+  // What a step has thrown is taken back with the step.
+  const auto before = std::exchange(report_.failure, {});
+  std::string problem =
+      with_state("while its state was restored", [&] { return read_state(state); });
+  if (!problem.empty() && !report_.failure) report_.failure = before;
+  return problem;
 }
 
 std::string Simulation::read_state(std::span<const std::byte> state) {
@@ -157,7 +163,6 @@ std::string Simulation::read_state(std::span<const std::byte> state) {
   for (std::size_t i = 0; i < components.size() && problem.empty(); ++i)
     problem =
         read(i + 2, components[i]->path(), [&](Archive& a) { ask(components[i]).archive(a); });
-  if (problem.empty()) report_.failure.reset();  // what threw stands where it stood before
   return problem;
 }
 
