@@ -11,7 +11,7 @@
 
 namespace sutura::thread {
 
-class SutureThread : public Component, public CurveBody {
+class SutureThread : public Component, public SegmentedCurve {
  public:
   static constexpr const char* interface_name = "SutureThread";
   enum class Clamp { none, start, end, both };
@@ -78,6 +78,12 @@ class SutureThread : public Component, public CurveBody {
   Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
                         Configuration c) const override {
     return curve_closest(rod_, p, guess, low, high, c);
+  }
+  void segments(Configuration c, std::vector<CurveSegment>& out) const override {
+    curve_segments(rod_, c, out);
+  }
+  void surface_jacobian(Real s, const Vec3& arm, PointJacobian& out) const override {
+    curve_surface_jacobian(rod_, s, arm, out);
   }
   Index add_hold(Real s) override;
   void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
