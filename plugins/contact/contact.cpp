@@ -71,8 +71,9 @@ void Contact::archive(Archive& a) {
 
 void Contact::detect(const StepContext& context) {
   touches_.clear();
-  pair_->find(touches_);
-  memory_.recognise(touches_, *pair_, context.pass == 0);
+  if (context.pass == 0) memory_.begin_step();
+  pair_->find(memory_, touches_);
+  memory_.recognise(touches_, *pair_);
 }
 
 void Contact::build(const StepContext&, ConstraintBuilder& builder) {
@@ -111,7 +112,8 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     const Vec3 force = solved.force(block);
     const Real normal = solved.lambda(block)[0];
     force_ += force;
-    closed_ += normal > 0;
+    t.carries = normal > 0;
+    closed_ += t.carries;
     largest_force_ = std::max(largest_force_, normal);
     pair_->tell_force(t, force);
     const bool sticks =

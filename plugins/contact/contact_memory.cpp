@@ -8,9 +8,15 @@
 
 namespace sutura::contact {
 
+Real ContactMemory::between(Real low, Real high) const {
+  const auto it = std::upper_bound(met_.begin(), met_.end(), low,
+                                   [](Real place, const Known& k) { return place < k.first; });
+  return it != met_.end() && it->first < high ? it->first
+                                              : std::numeric_limits<Real>::quiet_NaN();
+}
+
 /// `met_` is sorted by the first place: only those within the tolerance are compared.
-void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair, bool first_pass) {
-  if (first_pass) met_ = known_;
+void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
   taken_.assign(met_.size(), 0);
   const std::size_t known = met_.size();
   for (Touch& t : touches) {
@@ -45,7 +51,7 @@ void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair, boo
 void ContactMemory::remember(const std::vector<Touch>& touches) {
   known_.clear();
   for (const Touch& t : touches)
-    known_.push_back({t.id, t.first_place, t.second_place, t.left_over});
+    if (t.carries) known_.push_back({t.id, t.first_place, t.second_place, t.left_over});
   std::sort(known_.begin(), known_.end(),
                    [](const Known& a, const Known& b) { return a.first != b.first ? a.first < b.first : a.id < b.id;
   });

@@ -11,12 +11,14 @@ class Archive;
 
 namespace sutura::contact {
 
-class ContactMemory {
+class ContactMemory : public TouchedPlaces {
  public:
+  void begin_step() { met_ = known_; }
+  Real between(Real low, Real high) const override;
   /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
-  /// of this one, or a new one. `first_pass`: what passes of a step before have met is forgotten.
-  void recognise(std::vector<Touch>& touches, const Pair& pair, bool first_pass);
-  /// What the step ends with. Of one that slipped or let go, `left_over` is nothing.
+  /// of this one, or a new one.
+  void recognise(std::vector<Touch>& touches, const Pair& pair);
+  /// What the step ends with: those that carry force. Of one that slipped `left_over` is nothing.
   void remember(const std::vector<Touch>& touches);
   void archive(Archive& archive);
 

@@ -1,6 +1,7 @@
 #include "curve_tool.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "pose_maths.h"
@@ -11,7 +12,7 @@ namespace {
 // In units of the radius of the curve.
 constexpr Real margin = 1;       // a touch is built from this far, before there is one
 constexpr Real clearance = 0.5;  // a centreline may come as near to a surface on its way
-constexpr Real dip = 1e-3;       // a point between nodes counts where it is so much nearer
+constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
 // In units of the length of a segment.
 constexpr Real at_node = 0.05;  // this close to a node, the node says the same
 
@@ -40,11 +41,11 @@ void CurveTool::look() {
   for (CurveSegment& s : seen_.now) s = seen_from(now, s);
 }
 
-void CurveTool::find(std::vector<Touch>& out) {
+void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
   stopped_.assign(seen_.size() + 1, 0);
   for (std::size_t node = 0; node <= seen_.size(); ++node) find_at_node(node, out);
-  for (std::size_t i = 0; i < seen_.size(); ++i) find_inside(i, out);
+  for (std::size_t i = 0; i < seen_.size(); ++i) find_inside(i, before, out);
 }
 
 /// Nodes are touched where they are: a curve that lies on a surface lies on it along its length.
@@ -78,7 +79,8 @@ bool CurveTool::is_far(std::size_t i) const {
 }
 
 /// Between nodes, where the curve dips towards the tool: over an edge, round a bend.
-void CurveTool::find_inside(std::size_t i, std::vector<Touch>& out) {
+void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before,
+                            std::vector<Touch>& out) {
   if (is_far(i)) return;
   const Real radius = seen_.now[i].radius;
   std::array<Real, parts + 1> d;
@@ -109,20 +111,32 @@ void CurveTool::find_inside(std::size_t i, std::vector<Touch>& out) {
     return;
   }
   const CurveSegment& s = seen_.now[i];
+  const auto is_near = [&](Real distance) { return distance < (1 + margin) * radius; };
+  // What was touched before is touched again.
+  Real nearest = std::min(d.front(), d.back());
+  for (Real place = s.abscissa(at_node);;) {
+    place = before.between(place, s.abscissa(1 - at_node));
+    if (std::isnan(place)) break;
+    const Real u = (place - s.from) / s.length(), here = from_tool(s, u).distance;
+    nearest = std::min(nearest, here);
+    if (is_near(here)) touch(i, u, out);
+  }
   for (int k = 1; k < parts; ++k) {
     if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
-    // The root of the slope in between, by bisection.
-    Real low = Real(k - 1) / parts, high = Real(k + 1) / parts;
-    for (int n = 0; n < 40; ++n) {
-      const Real u = (low + high) / 2;
-      (from_tool(s, u).normal.dot(s.slope(u)) < 0 ? low : high) = u;
-    }
-    const Real u = (low + high) / 2, here = from_tool(s, u).distance;
-    const Real left = *std::max_element(d.begin(), d.begin() + k);
-    const Real right = *std::max_element(d.begin() + k + 1, d.end());
-    const bool dips = std::min(left, right) - here > dip * radius;
-    if (dips && u > at_node && u < 1 - at_node && here < (1 + margin) * radius) touch(i, u, out);
+    const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
+    const Real here = from_tool(s, u).distance;
+    if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
+    if (here < nearest - dip * radius) touch(i, u, out);
   }
+}
+
+/// Where between two points of a segment, with a dip in between, its slope against the tool is 0.
+Real CurveTool::lowest_between(const CurveSegment& s, Real low, Real high) const {
+  for (int n = 0; n < 40; ++n) {
+    const Real u = (low + high) / 2;
+    (from_tool(s, u).normal.dot(s.slope(u)) < 0 ? low : high) = u;
+  }
+  return (low + high) / 2;
 }
 
 void CurveTool::touch(std::size_t i, Real u, std::vector<Touch>& out) const {

@@ -10,7 +10,7 @@ namespace sutura::contact {
 class CurveTool : public Pair {
  public:
   CurveTool(const SegmentedCurve& curve, RigidTool& tool) : curve_(curve), tool_(tool) {}
-  void find(std::vector<Touch>& out) override;
+  void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
@@ -24,8 +24,9 @@ class CurveTool : public Pair {
     return tool_.shape().at(s.point(u));
   }
   void look();
+  Real lowest_between(const CurveSegment& s, Real low, Real high) const;
   void find_at_node(std::size_t node, std::vector<Touch>& out);
-  void find_inside(std::size_t segment, std::vector<Touch>& out);
+  void find_inside(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
   /// The way of a segment ends at `time` at its point u, as near to the tool as it may come.
   void stop(std::size_t segment, Real u, Real time, std::vector<Touch>& out) const;
   void touch(std::size_t segment, Real u, std::vector<Touch>& out) const;

@@ -21,8 +21,18 @@ struct Touch {
   Vec3 second_arm = Vec3::Zero();  ///< likewise
   Real gap = 0;                    ///< between the surfaces; negative where they overlap (m)
   bool crossed = false;            ///< the way of the guess leads through: it must not stand
+  bool carries = false;            ///< force, at the end of the step
   std::uint64_t id = 0;            ///< of the contact, never used again
   Vec2 left_over = Vec2::Zero();   ///< what sticking has missed in the steps before (m)
+};
+
+/// Places on the first partner where there have been touches in this step or at the end of the one
+/// before, ascending.
+class TouchedPlaces {
+ public:
+  virtual ~TouchedPlaces() = default;
+  /// The first of them after `low` and before `high`, or not a number.
+  virtual Real between(Real low, Real high) const = 0;
 };
 
 /// Finds the touches of one pair of partners, and knows their rows.
@@ -30,7 +40,9 @@ class Pair {
  public:
   virtual ~Pair() = default;
   /// At the present guess, with all that the way from the start of the step to it leads through.
-  virtual void find(std::vector<Touch>& out) = 0;
+  /// What was touched before is a touch again while it is near: touches do not come and go with
+  /// the passes of a step.
+  virtual void find(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
   /// How far the first has moved over the step relative to the second, at the touch (m).
   virtual Vec3 slip(const Touch& touch) const = 0;
   virtual void couple(const Touch& touch, BlockId block, const Directions& axes,

@@ -22,7 +22,7 @@ class SutureThread : public Component, public SegmentedCurve {
   Real thread_length = 0.3, thread_diameter = 0.175e-3;
   Real thread_young = 1.5e9, thread_poisson = 0.4, thread_density = 910, bending_factor = 1;
   Real thread_bend_radius = 5e-3, thread_rest_curvature = 0, thread_rest_torsion = 0;
-  File thread_rest_file;
+  File thread_rest_file, thread_start_file;
   std::string needle, thread;
   Real sampling_angle = 0, shortest_beam = 0.5e-3;
   Index needle_beams = 12, thread_beams = 100, newton_iterations = 1;
@@ -106,6 +106,7 @@ class SutureThread : public Component, public SegmentedCurve {
   void look_up_products(Setup& setup);
   void place_needle(Setup& setup);
   RestShape read_rest(Setup& setup);
+  RestShape read_shape(Setup& setup, const char* attribute, const File& file);
   void start_moving();
   void build();
   void lay_out(std::vector<Real> nodes);
