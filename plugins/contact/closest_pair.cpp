@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sutura/geometry/distances.h"
+
 namespace sutura::contact {
 namespace {
 
@@ -66,36 +68,18 @@ void refine(const CurveSegment& a, const CurveSegment& b, bool u_is_fixed, Close
 
 }  // namespace
 
-// Ericson, Real-Time Collision Detection, 2005, section 5.1.9: one parameter free, then clamped.
-ClosestPair closest_on_chords(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 p = b - a, q = d - c, r = a - c;
-  const Real pp = p.squaredNorm(), qq = q.squaredNorm(), pq = p.dot(q);
-  const Real pr = p.dot(r), qr = q.dot(r);
-  const Real det = pp * qq - pq * pq;
-  ClosestPair at;
-  at.u = det > 1e-12 * pp * qq ? std::clamp((pq * qr - pr * qq) / det, 0., 1.) : 0.5;
-  at.v = qq > 0 ? (pq * at.u + qr) / qq : 0;
-  if (at.v < 0 || at.v > 1) {
-    at.v = std::clamp(at.v, 0., 1.);
-    at.u = pp > 0 ? std::clamp((pq * at.v - pr) / pp, 0., 1.) : 0;
-  }
-  at.apart = r + at.u * p - at.v * q;
-  at.distance = at.apart.norm();
-  return at;
-}
-
 ClosestPair closest_on(const CurveSegment& a, const CurveSegment& b, Real fine) {
   const int na = chords(a, fine), nb = chords(b, fine);
   ClosestPair best;
   best.distance = std::numeric_limits<Real>::infinity();
   for (int i = 0; i < na; ++i) {
-    const Vec3 a0 = a.point(Real(i) / na), a1 = a.point(Real(i + 1) / na);
+    const Segment p{a.point(Real(i) / na), a.point(Real(i + 1) / na)};
     for (int j = 0; j < nb; ++j) {
-      ClosestPair at =
-          closest_on_chords(a0, a1, b.point(Real(j) / nb), b.point(Real(j + 1) / nb));
-      if (!(at.distance < best.distance)) continue;
-      at.u = (i + at.u) / na, at.v = (j + at.v) / nb;
-      best = at;
+      const Segment q{b.point(Real(j) / nb), b.point(Real(j + 1) / nb)};
+      const SegmentPair at = closest_points(p, q);
+      const Real distance = std::sqrt(at.squared_distance);
+      if (distance < best.distance)
+        best = {(i + at.s) / na, (j + at.t) / nb, distance, Vec3::Zero()};
     }
   }
   refine(a, b, false, best);
@@ -110,10 +94,9 @@ ClosestPair closest_to(const Vec3& p, Real u, const CurveSegment& b) {
   best.distance = std::numeric_limits<Real>::infinity();
   constexpr int parts = 2;
   for (int j = 0; j < parts; ++j) {
-    const Vec3 c = b.point(Real(j) / parts), q = b.point(Real(j + 1) / parts) - c;
-    const Real v = q.squaredNorm() > 0 ? std::clamp(q.dot(p - c) / q.squaredNorm(), 0., 1.) : 0;
-    const Real distance = (p - c - v * q).norm();
-    if (distance < best.distance) best = {u, (j + v) / parts, distance, p - c - v * q};
+    const Segment q{b.point(Real(j) / parts), b.point(Real(j + 1) / parts)};
+    const Real t = closest_point(p, q), distance = (q.at(t) - p).norm();
+    if (distance < best.distance) best = {u, (j + t) / parts, distance, Vec3::Zero()};
   }
   refine(point, b, true, best);
   best.u = u;

@@ -11,8 +11,6 @@ struct ClosestPair {
   Vec3 apart;           ///< from the second to the first (m)
 };
 
-/// Of two chords a to b and c to d.
-ClosestPair closest_on_chords(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Of two segments: from the closest points of their chords (of several on each, where they bend
 /// by more than a fraction of `fine`) by Newton, so that it is exact for segments that bend by less
 /// than half a turn.

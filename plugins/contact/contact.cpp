@@ -1,7 +1,12 @@
 #include "contact.h"
 
+#include "curve_curve.h"
+#include "curve_surface.h"
 #include "curve_tool.h"
+#include "surface_surface.h"
+#include "surface_tool.h"
 #include "sutura/archive.h"
+#include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
 
@@ -17,12 +22,16 @@ void Contact::describe(Describe<Contact>& d) {
       "the end of the step, found anew at every guess; a touch is built before the surfaces meet. "
       "No guess is taken whose straight way from the start of the step leads one centreline "
       "through the other, or through a tool (see the theory of contact).");
-  d.link("first", &Contact::first_, "A thread.");
+  d.link("first", &Contact::first_, "A thread; or a tissue, with another or with itself.");
   d.link("second", &Contact::second_,
          "What it touches; left out together with 'tool', it touches itself.")
       .named_only();
   d.link("tool", &Contact::tool_, "A rigid shape that it touches, instead of 'second'.")
       .named_only();
+  d.link("passage", &Contact::passage_,
+         "The path of a thread through the tissue that it touches: what is inside is not in "
+         "contact.")
+      .optional();
   d.attribute("friction", &Contact::friction_, "1", between(0, 100),
               "Coulomb coefficient of the pair.");
   d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
@@ -50,7 +59,21 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) {
   }
   auto* curve = dynamic_cast<SegmentedCurve*>(first_.get());
   if (curve != nullptr && tool_) return std::make_unique<CurveTool>(*curve, *tool_);
-  setup.error(*this, "these two cannot touch yet; expected a thread and a Tool");
+  auto* other = dynamic_cast<SegmentedCurve*>(second_ ? second_.get() : first_.get());
+  if (curve != nullptr && other != nullptr && !tool_)
+    return std::make_unique<CurveCurve>(*curve, *other);
+  auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
+  auto* other_solid = dynamic_cast<MeshedSolid*>(second_ ? second_.get() : first_.get());
+  if (curve != nullptr && other_solid != nullptr && !tool_) {
+    const bool holds = passage_ && &passage_->curve() == curve && &passage_->solid() == other_solid;
+    return std::make_unique<CurveSurface>(*curve, *other_solid, holds ? passage_.get() : nullptr);
+  }
+  if (solid != nullptr && tool_) return std::make_unique<SurfaceTool>(*solid, *tool_);
+  if (solid != nullptr && other_solid != nullptr && !tool_)
+    return std::make_unique<SurfaceSurface>(*solid, *other_solid);
+  setup.error(*this,
+              "these two cannot touch; expected as 'first' a thread or tissue and as 'second' "
+              "another or nothing, or with a Tool");
   return nullptr;
 }
 
@@ -76,7 +99,7 @@ void Contact::detect(const StepContext& context) {
   memory_.recognise(touches_, *pair_);
 }
 
-void Contact::build(const StepContext&, ConstraintBuilder& builder) {
+void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
   for (const Touch& t : touches_) {
     Mat3 axes;  // rows: normal, along the first, across both
@@ -97,18 +120,37 @@ void Contact::build(const StepContext&, ConstraintBuilder& builder) {
           builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }
+    stiffen(context, t, builder);
   }
+}
+
+/// The force of a touch turns with its normal, which linear rows do not know: passes would go to
+/// and fro where that is stiffer than the bodies. So what the normal resists is said as springs,
+/// about the guess: without force there, and gone with the pass.
+void Contact::stiffen(const StepContext& context, const Touch& t, ConstraintBuilder& builder) {
+  const Real force = builder.known_force(make_key(source_id_, t.id));
+  if (!(force > 0)) return;
+  const auto spring = [&](bool first, Real stiffness, const Vec3& along) {
+    if (!(stiffness > 0)) return;
+    // A name for this pass only: what it carried is not taken on.
+    const std::uint64_t pass = static_cast<std::uint64_t>(context.pass & 255);
+    const std::uint64_t name = (std::uint64_t{1} << 39) | (t.id << 9) | (pass << 1) | first;
+    const BlockId block = builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness},
+                                                    BlockVector<1>(0));
+    const Vec3 across = (along - along.dot(t.normal) * t.normal).normalized();
+    pair_->couple_alone(t, first, block, across, builder);
+  };
+  spring(false, force * t.first_bend, t.first_tangent);
+  spring(true, force * t.second_bend, t.second_tangent);
 }
 
 void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
   force_.setZero();
   closed_ = 0;
   largest_force_ = 0;
-  crossed_ = false;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     Touch& t = touches_[i];
     const BlockId block = blocks_[i];
-    crossed_ = crossed_ || t.crossed;
     const Vec3 force = solved.force(block);
     const Real normal = solved.lambda(block)[0];
     force_ += force;
@@ -121,10 +163,6 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     t.left_over = sticks ? Vec2(solved.delta(block).tail<2>()) : Vec2(Vec2::Zero());
   }
   memory_.remember(touches_);
-}
-
-std::string Contact::fault() const {
-  return crossed_ ? "something has passed through" : "";
 }
 
 }  // namespace sutura::contact

@@ -8,6 +8,7 @@
 #include "contact_memory.h"
 #include "rigid_tool.h"
 #include "sutura/describe.h"
+#include "sutura/passage.h"
 
 namespace sutura::contact {
 
@@ -20,13 +21,15 @@ class Contact : public Component, public ConstraintSource {
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
-  std::string fault() const override;
+  Real free_way() const override { return pair_->free_way(); }
 
  private:
+  void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
   std::unique_ptr<Pair> make_pair(Setup& setup);
 
   Link<Body> first_, second_;
   Link<RigidTool> tool_;
+  Link<Passage> passage_;
   Real friction_ = 0.2;
   Real compliance_ = 0;
 
@@ -38,7 +41,6 @@ class Contact : public Component, public ConstraintSource {
   Vec3 force_ = Vec3::Zero();  ///< on the first
   Index closed_ = 0;
   Real largest_force_ = 0;
-  bool crossed_ = false;  ///< at the end of the last step
 };
 
 }  // namespace sutura::contact

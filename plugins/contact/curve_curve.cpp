@@ -34,6 +34,16 @@ Real reach(const CurveSegment& a, const CurveSegment& b) {
   return a.radius + b.radius;
 }
 
+/// With rho the radius of curvature towards the other strand, at the distance d: 1 / (rho - d), the
+/// second derivative of the distance as the other moves along this one; 0 where it is bent away.
+Real bend(const CurveSegment& s, Real u, const Vec3& towards, Real distance) {
+  const Real speed = s.slope(u).squaredNorm();
+  const Real curvature = towards.dot(s.second(u)) / speed;
+  constexpr Real tightest = 0.9;  // a strand that is bent as tight as it is thick has no limit
+  if (!(curvature > 0)) return 0;
+  return curvature / (1 - std::min(curvature * distance, tightest));
+}
+
 /// Height of `a` over `b` along n: no point of one is closer than that to any of the other.
 Real height_between(const CurveSegment& a, const CurveSegment& b, const Vec3& n) {
   Vec3 p[4], q[4];
@@ -94,6 +104,7 @@ void CurveCurve::each_pair(std::size_t i, std::size_t j, Real near, const Meet& 
 
 void CurveCurve::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
+  free_way_ = 1;
   Real widest = 0;
   for (const CurveSegment& s : a_.now) widest = std::max(widest, s.radius);
   for (const CurveSegment& s : b().now) widest = std::max(widest, s.radius);
@@ -131,11 +142,12 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   if (!is_free(end)) {
     ClosestPair at = closest_on(a0, c0, fine);
     if (!is_free(at)) {
-      const Real time = way_through(motion, clearance * R, [&](Real t) {
+      const Real way = way_through(motion, clearance * R, [&](Real t) {
         at = closest_on(a_.at(i, t), b().at(j, t), fine);
         return at.distance;
       });
-      if (time <= 1) return stop(i, j, at, out);
+      free_way_ = std::min(free_way_, way);
+      if (way < 1) return;
     }
   }
   if (end.distance > (1 + margin) * R) return;
@@ -184,24 +196,11 @@ void CurveCurve::touch_at(std::size_t i, std::size_t j, const ClosestPair& at,
   t.second_arm = at.apart * (c.radius / R);
   t.at = a.point(at.u) + t.first_arm;
   t.gap = at.distance - R;
-}
-
-/// The two stand behind the plane in which they would have touched, and must go back before it.
-void CurveCurve::stop(std::size_t i, std::size_t j, const ClosestPair& at,
-                      std::vector<Touch>& out) const {
-  const CurveSegment &a = a_.now[i], &c = b().now[j];
-  const Real R = reach(a, c);
-  Touch& t = out.emplace_back();
-  t.crossed = true;
-  t.first_place = a.abscissa(at.u);
-  t.second_place = c.abscissa(at.v);
-  t.normal = at.distance > 0 ? Vec3(at.apart / at.distance) : a.slope(at.u).unitOrthogonal();
-  t.along = a.slope(at.u);
-  t.first_arm = -a.radius * t.normal;
-  t.second_arm = c.radius * t.normal;
-  const Vec3 apart = a.point(at.u) - c.point(at.v);
-  t.at = c.point(at.v) + apart / 2;
-  t.gap = std::min(t.normal.dot(apart) - R, -clearance / 2 * R);
+  // Signs so that a strand that is bent round the other has a positive radius.
+  t.first_bend = bend(a, at.u, -t.normal, at.distance);
+  t.second_bend = bend(c, at.v, t.normal, at.distance);
+  t.first_tangent = t.along.normalized();
+  t.second_tangent = c.slope(at.v).normalized();
 }
 
 /// At a node, two segments may have found one and the same place. The nearer one stays.
@@ -241,6 +240,15 @@ void CurveCurve::couple(const Touch& t, BlockId block, const Directions& axes,
   builder.couple(block, first_, axes, J, t.at);
   second_.surface_jacobian(t.second_place, t.second_arm, J);
   builder.couple(block, second_, -axes, J, t.at);
+}
+
+void CurveCurve::couple_alone(const Touch& t, bool first, BlockId block, const Vec3& direction,
+                              ConstraintBuilder& builder) const {
+  // Of the centreline: a strand that rolls turns no normal.
+  PointJacobian J;
+  const SegmentedCurve& curve = first ? first_ : second_;
+  curve.jacobian(first ? t.first_place : t.second_place, J);
+  builder.couple(block, curve, direction.transpose(), J, t.at);
 }
 
 Pair::Tolerance CurveCurve::tolerance(const Touch& t) const {

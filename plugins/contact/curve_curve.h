@@ -15,6 +15,8 @@ class CurveCurve : public Pair {
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
+  void couple_alone(const Touch& touch, bool first, BlockId block, const Vec3& direction,
+                    ConstraintBuilder& builder) const override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -30,7 +32,6 @@ class CurveCurve : public Pair {
   void each_pair(std::size_t i, std::size_t j, Real margin, const Meet& meet) const;
   void meet(std::size_t i, std::size_t j, const TouchedPlaces& before, std::vector<Touch>& out);
   void touch_at(std::size_t i, std::size_t j, const ClosestPair& at, std::vector<Touch>& out) const;
-  void stop(std::size_t i, std::size_t j, const ClosestPair& at, std::vector<Touch>& out) const;
   /// Is the point of a pair that is closest on its segment also so on the curve around?
   static bool is_lowest(Real u, Real slope, std::size_t segment, std::size_t segments);
   static void drop_doubles(std::vector<Touch>& touches, std::size_t from);

@@ -43,7 +43,7 @@ void CurveTool::look() {
 
 void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
-  stopped_.assign(seen_.size() + 1, 0);
+  free_way_ = 1;
   for (std::size_t node = 0; node <= seen_.size(); ++node) find_at_node(node, out);
   for (std::size_t i = 0; i < seen_.size(); ++i) find_inside(i, before, out);
 }
@@ -61,15 +61,11 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
   if (begin.distance - motion > (1 + margin) * radius) return;
   const bool is_free = stays_off(begin, from, to, clearance * radius) ||
                        stays_off(tool_.shape().at(to), to, from, clearance * radius);
-  const Real stop_time = is_free ? 2 : way_through(motion, clearance * radius, [&](Real time) {
+  const Real way = is_free ? 1 : way_through(motion, clearance * radius, [&](Real time) {
     return tool_.shape().at(from + time * (to - from)).distance;
   });
-  if (stop_time <= 1) {
-    stopped_[node] = 1;
-    stop(i, u, stop_time, out);
-  } else if (tool_.shape().at(to).distance < (1 + margin) * radius) {
-    touch(i, u, out);
-  }
+  free_way_ = std::min(free_way_, way);
+  if (tool_.shape().at(to).distance < (1 + margin) * radius) touch(i, u, out);
 }
 
 bool CurveTool::is_far(std::size_t i) const {
@@ -102,14 +98,12 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before,
   bool free = is_free(seen_.start[i]);
   lowest = look_at(seen_.now[i]);
   free = free || is_free(seen_.now[i]);
-  const Real stop_time = free ? 2 : way_through(seen_.motion(i), clearance * radius, [&](Real time) {
+  const Real way = free ? 1 : way_through(seen_.motion(i), clearance * radius, [&](Real time) {
     lowest = look_at(seen_.at(i, time));
     return d[lowest];
   });
-  if (stop_time <= 1) {
-    if (!stopped_[i] && !stopped_[i + 1]) stop(i, Real(lowest) / parts, stop_time, out);
-    return;
-  }
+  free_way_ = std::min(free_way_, way);
+  if (way < 1) return;
   const CurveSegment& s = seen_.now[i];
   const auto is_near = [&](Real distance) { return distance < (1 + margin) * radius; };
   // What was touched before is touched again.
@@ -145,32 +139,12 @@ void CurveTool::touch(std::size_t i, Real u, std::vector<Touch>& out) const {
   const Pose frame = tool_.placed(Configuration::current);
   Touch& t = out.emplace_back();
   t.first_place = s.abscissa(u);
-  t.first = curve_.embed(t.first_place);
   t.normal = frame.rotation * d.normal;
   t.along = frame.rotation * s.slope(u);
   t.second_local = s.point(u) - d.distance * d.normal;
   t.at = at(frame, t.second_local);
   t.first_arm = -d.distance * t.normal;
   t.gap = d.distance - s.radius;
-}
-
-void CurveTool::stop(std::size_t i, Real u, Real time, std::vector<Touch>& out) const {
-  const CurveSegment& s = seen_.now[i];
-  const Vec3 last = seen_.at(i, time).point(u);
-  const ShapeDistance d = tool_.shape().at(last);
-  const Pose frame = tool_.placed(Configuration::current);
-  Touch& t = out.emplace_back();
-  t.crossed = true;
-  t.first_place = s.abscissa(u);
-  t.first = curve_.embed(t.first_place);
-  t.normal = frame.rotation * d.normal;
-  t.along = frame.rotation * s.slope(u);
-  t.first_arm = -s.radius * t.normal;
-  t.second_local = last - d.distance * d.normal;
-  t.at = at(frame, s.point(u)) + t.first_arm;
-  // It stands behind the plane in which it would have touched, and must go back before it.
-  const Real beyond = d.normal.dot(s.point(u) - t.second_local) - s.radius;
-  t.gap = std::min(beyond, -clearance / 2 * s.radius);
 }
 
 Vec3 CurveTool::slip(const Touch& t) const {

@@ -27,15 +27,12 @@ class CurveTool : public Pair {
   Real lowest_between(const CurveSegment& s, Real low, Real high) const;
   void find_at_node(std::size_t node, std::vector<Touch>& out);
   void find_inside(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
-  /// The way of a segment ends at `time` at its point u, as near to the tool as it may come.
-  void stop(std::size_t segment, Real u, Real time, std::vector<Touch>& out) const;
   void touch(std::size_t segment, Real u, std::vector<Touch>& out) const;
   bool is_far(std::size_t segment) const;
 
   const SegmentedCurve& curve_;
   RigidTool& tool_;
   MovingCurve seen_;  ///< from the shape
-  std::vector<char> stopped_;
 };
 
 }  // namespace sutura::contact

@@ -60,16 +60,17 @@ inline Real lowest_on_the_way(const CurveSegment& start, const CurveSegment& now
   return lowest;
 }
 
-/// Goes from time 0 to 1 as long as `distance(time)` is at least `clearance`; no point moves more
-/// than `motion` against the other side on the whole way. Returns the time of the first look that
-/// found less, or a number above 1. At no time in between was the distance below half the
-/// clearance: a step is never longer than that takes.
+/// How much of the way from time 0 to 1 is free: `distance(time)` stays above `clearance` on it. No
+/// point moves more than `motion` against the other side on the whole way, and between two looks
+/// the distance cannot fall below half the clearance: a step is never longer than that takes.
 template <class Distance>
 Real way_through(Real motion, Real clearance, const Distance& distance) {
+  Real free = 0;
   for (Real time = 0;;) {
     const Real d = distance(time);
-    if (d < clearance) return time;
-    if (time >= 1) return 2;
+    if (d < clearance) return free;
+    if (time >= 1) return 1;
+    free = time;
     const Real room = d - clearance / 2;
     time = motion * (1 - time) <= room ? Real(1) : time + room / motion;
   }

@@ -51,6 +51,7 @@ class SutureThread : public Component, public SegmentedCurve {
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
+  void shorten(const StepContext&, Real part) override { rod_.shorten(part); }
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
   bool leave_saddle() override;
