@@ -6,9 +6,9 @@
 namespace sutura::contact {
 
 struct ClosestPair {
-  Real u = 0, v = 0;    ///< in [0, 1], on the first and on the second
-  Real distance = 0;    ///< m
-  Vec3 apart;           ///< from the second to the first (m)
+  Real u = 0, v = 0;  ///< in [0, 1], on the first and on the second
+  Real distance = 0;  ///< m
+  Vec3 apart;         ///< from the second to the first (m)
 };
 
 /// Of two segments: from the closest points of their chords (of several on each, where they bend

@@ -116,8 +116,7 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
       blocks_.push_back(builder.add<Coulomb>(key, {friction_, compliance_}, gap));
       pair_->couple(t, blocks_.back(), axes, builder);
     } else {
-      blocks_.push_back(
-          builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
+      blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }
     stiffen(context, t, builder);
@@ -135,8 +134,8 @@ void Contact::stiffen(const StepContext& context, const Touch& t, ConstraintBuil
     // A name for this pass only: what it carried is not taken on.
     const std::uint64_t pass = static_cast<std::uint64_t>(context.pass & 255);
     const std::uint64_t name = (std::uint64_t{1} << 39) | (t.id << 9) | (pass << 1) | first;
-    const BlockId block = builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness},
-                                                    BlockVector<1>(0));
+    const BlockId block =
+        builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness}, BlockVector<1>(0));
     const Vec3 across = (along - along.dot(t.normal) * t.normal).normalized();
     pair_->couple_alone(t, first, block, across, builder);
   };

@@ -11,8 +11,7 @@ namespace sutura::contact {
 Real ContactMemory::between(Real low, Real high) const {
   const auto it = std::upper_bound(met_.begin(), met_.end(), low,
                                    [](Real place, const Known& k) { return place < k.first; });
-  return it != met_.end() && it->first < high ? it->first
-                                              : std::numeric_limits<Real>::quiet_NaN();
+  return it != met_.end() && it->first < high ? it->first : std::numeric_limits<Real>::quiet_NaN();
 }
 
 /// `met_` is sorted by the first place: only those within the tolerance are compared.
@@ -21,9 +20,9 @@ void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
   const std::size_t known = met_.size();
   for (Touch& t : touches) {
     const Pair::Tolerance near = pair.tolerance(t);
-    auto it = std::lower_bound(
-        met_.begin(), met_.begin() + static_cast<std::ptrdiff_t>(known), t.first_place - near.first,
-        [](const Known& k, Real place) { return k.first < place; });
+    auto it = std::lower_bound(met_.begin(), met_.begin() + static_cast<std::ptrdiff_t>(known),
+                               t.first_place - near.first,
+                               [](const Known& k, Real place) { return k.first < place; });
     std::size_t best = known;
     Real least = std::numeric_limits<Real>::infinity();
     for (auto i = static_cast<std::size_t>(it - met_.begin());
@@ -43,8 +42,8 @@ void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
       met_.push_back({t.id, t.first_place, t.second_place, Vec2::Zero()});
     }
   }
-  std::sort(met_.begin(), met_.end(),
-                   [](const Known& a, const Known& b) { return a.first != b.first ? a.first < b.first : a.id < b.id;
+  std::sort(met_.begin(), met_.end(), [](const Known& a, const Known& b) {
+    return a.first != b.first ? a.first < b.first : a.id < b.id;
   });
 }
 
@@ -52,8 +51,8 @@ void ContactMemory::remember(const std::vector<Touch>& touches) {
   known_.clear();
   for (const Touch& t : touches)
     if (t.carries) known_.push_back({t.id, t.first_place, t.second_place, t.left_over});
-  std::sort(known_.begin(), known_.end(),
-                   [](const Known& a, const Known& b) { return a.first != b.first ? a.first < b.first : a.id < b.id;
+  std::sort(known_.begin(), known_.end(), [](const Known& a, const Known& b) {
+    return a.first != b.first ? a.first < b.first : a.id < b.id;
   });
 }
 

@@ -10,10 +10,10 @@ namespace sutura::contact {
 namespace {
 
 // In units of the sum of the two radii.
-constexpr Real margin = 0.5;       // a touch is built from this far, before there is one
+constexpr Real margin = 0.5;        // a touch is built from this far, before there is one
 constexpr Real node_margin = 0.25;  // and at nodes of strands that run along each other
-constexpr Real clearance = 0.5;    // centrelines may come as near to each other on their ways
-constexpr Real dip = 0.05;         // what strands may be nearer than at the touches beside
+constexpr Real clearance = 0.5;     // centrelines may come as near to each other on their ways
+constexpr Real dip = 0.05;          // what strands may be nearer than at the touches beside
 // In units of the length of a segment.
 constexpr Real at_node = 0.05;
 constexpr Real doubles = 0.05;  // touches closer than this on both are one

@@ -17,8 +17,8 @@ constexpr Real point = 6;        // so long is a needle's point, which presses b
 // In units of the length of a segment.
 constexpr Real at_node = 0.05;
 
-constexpr int parts = 2;            // chords of a segment
-constexpr Real other_side = 0.7;    // sides whose normals are closer than this (cosine) are one
+constexpr int parts = 2;          // chords of a segment
+constexpr Real other_side = 0.7;  // sides whose normals are closer than this (cosine) are one
 
 }  // namespace
 
@@ -101,8 +101,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     sides_of(i, u, sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      if (u < 1 || i + 1 == seen_.size() ||
-          is_inside(seen_.now[i + 1].from, seen_.now[i + 1].to))
+      if (u < 1 || i + 1 == seen_.size() || is_inside(seen_.now[i + 1].from, seen_.now[i + 1].to))
         touch(i, side, out);
     }
   }
@@ -137,8 +136,7 @@ void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) const
       if (!(at.distance < best.distance) || !(at.distance > 0)) continue;
       bool is_new = true;
       for (const Near& side : out)
-        is_new = is_new &&
-                 at.apart.dot(side.apart) < other_side * at.distance * side.distance;
+        is_new = is_new && at.apart.dot(side.apart) < other_side * at.distance * side.distance;
       if (is_new) best = at;
     }
     if (best.triangle < 0 || out.size() == 3) return;

@@ -75,8 +75,7 @@ bool CurveTool::is_far(std::size_t i) const {
 }
 
 /// Between nodes, where the curve dips towards the tool: over an edge, round a bend.
-void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before,
-                            std::vector<Touch>& out) {
+void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
   if (is_far(i)) return;
   const Real radius = seen_.now[i].radius;
   std::array<Real, parts + 1> d;

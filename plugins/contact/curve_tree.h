@@ -12,7 +12,8 @@ class CurveTree {
  public:
   void fit(const MovingCurve& curve);
   std::size_t leaves() const { return leaves_; }
-  /// Nodes are numbered from 1; node k has the children 2k and 2k + 1; leaf i is node first_leaf + i.
+  /// Nodes are numbered from 1; node k has the children 2k and 2k + 1; leaf i is node first_leaf +
+  /// i.
   std::size_t first_leaf() const { return first_leaf_; }
   /// Segments below a node.
   struct Span {
@@ -25,8 +26,8 @@ class CurveTree {
 
  private:
   struct Box {
-    Eigen::Array3d low, high;              ///< at the start, with the radius
-    Eigen::Array3d least, most;            ///< motion of its points over the step
+    Eigen::Array3d low, high;    ///< at the start, with the radius
+    Eigen::Array3d least, most;  ///< motion of its points over the step
   };
   static Box of(const CurveSegment& start, const CurveSegment& now);
   std::vector<Box> boxes_;

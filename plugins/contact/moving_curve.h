@@ -55,8 +55,7 @@ inline Real lowest_on_the_way(const CurveSegment& start, const CurveSegment& now
   Vec3 from[4], to[4];
   MovingCurve::hull(start, from), MovingCurve::hull(now, to);
   Real lowest = normal.dot(from[0]);
-  for (int k = 0; k < 4; ++k)
-    lowest = std::min({lowest, normal.dot(from[k]), normal.dot(to[k])});
+  for (int k = 0; k < 4; ++k) lowest = std::min({lowest, normal.dot(from[k]), normal.dot(to[k])});
   return lowest;
 }
 
@@ -68,7 +67,14 @@ Real way_through(Real motion, Real clearance, const Distance& distance) {
   Real free = 0;
   for (Real time = 0;;) {
     const Real d = distance(time);
-    if (d < clearance) return free;
+    if (d < clearance) {
+      // As near as it may come: there is a touch.
+      for (int k = 0; k < 10; ++k) {
+        const Real middle = (free + time) / 2;
+        (distance(middle) < clearance ? time : free) = middle;
+      }
+      return free;
+    }
     if (time >= 1) return 1;
     free = time;
     const Real room = d - clearance / 2;

@@ -36,11 +36,12 @@ class MovingSurface {
   /// Calls `item(triangle)` for those whose way may meet the box.
   template <class Item>
   void near(const Box& box, const Item& item) const {
-    if (tree_) tree_->visit(
-        boxes_, [&](const Box& b) { return b.meets(box); },
-        [&](Index t) {
-          if (of(t).meets(box)) item(t);
-        });
+    if (tree_)
+      tree_->visit(
+          boxes_, [&](const Box& b) { return b.meets(box); },
+          [&](Index t) {
+            if (of(t).meets(box)) item(t);
+          });
   }
 
  private:

@@ -32,9 +32,8 @@ void RigidTool::describe(Describe<RigidTool>& d) {
            [](const RigidTool& t) { return t.applied_.force; });
   d.output("moment", "N m", "Of all contacts on the tool, about its centre.",
            [](const RigidTool& t) { return t.applied_.moment; });
-  d.output("position", "m", "Of its centre.", [](const RigidTool& t) -> Vec3 {
-    return t.placed(Configuration::current).position;
-  });
+  d.output("position", "m", "Of its centre.",
+           [](const RigidTool& t) -> Vec3 { return t.placed(Configuration::current).position; });
 }
 
 void RigidTool::initialise(Setup& setup) {
@@ -46,8 +45,8 @@ void RigidTool::initialise(Setup& setup) {
   if (kind_ == Shape::Kind::sphere) shape_.half_length = 0;
   const Quat laid = Quat::FromTwoVectors(Vec3::UnitZ(), axis_);
   const Real angle = rotation_.norm();
-  const Quat turned = angle > 0 ? Quat(Eigen::AngleAxis<Real>(angle, rotation_ / angle))
-                                : Quat(Quat::Identity());
+  const Quat turned =
+      angle > 0 ? Quat(Eigen::AngleAxis<Real>(angle, rotation_ / angle)) : Quat(Quat::Identity());
   as_modelled_ = {centre_, (turned * laid).normalized()};
 }
 

@@ -18,8 +18,8 @@ struct ShapeDistance {
 struct Shape {
   enum class Kind { plane, sphere, capsule, cylinder, box };
   Kind kind = Kind::plane;
-  Real radius = 0;              ///< of sphere, capsule, cylinder (m)
-  Real half_length = 0;         ///< of the straight part of capsule and cylinder (m)
+  Real radius = 0;               ///< of sphere, capsule, cylinder (m)
+  Real half_length = 0;          ///< of the straight part of capsule and cylinder (m)
   Vec3 half_size{Vec3::Zero()};  ///< of the box (m)
 
   ShapeDistance at(const Vec3& p) const;

@@ -9,6 +9,7 @@ namespace {
 // In units of the mean edge of the triangles.
 constexpr Real depth = 0.5;    // a node that has come through is found so far behind a triangle
 constexpr Real margin = 0.25;  // a touch is built from this far, before there is one
+constexpr Real beside = 0.1;   // a node may stand so far beside a triangle
 // Cosine between the normal of a node and that of a triangle that faces it, at most.
 constexpr Real facing = -0.2;
 
@@ -57,7 +58,7 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
 
 void SurfaceSurface::meet(const MovingSurface& nodes, const std::vector<Vec3>& normals,
                           const MovingSurface& faces, Real sign, std::vector<Touch>& out) const {
-  const Real edge = edge_length();
+  const Real edge = reach_ * edge_length();
   for (std::size_t i = 0; i < normals.size(); ++i) {
     if (normals[i].isZero(0)) continue;
     const auto node = static_cast<Index>(i);
@@ -68,15 +69,17 @@ void SurfaceSurface::meet(const MovingSurface& nodes, const std::vector<Vec3>& n
     Real least = std::numeric_limits<Real>::infinity();
     faces.near(box.grown(depth * edge), [&](Index t) {
       const auto& corners = faces.nodes(t);
-      const bool own = &nodes == &faces && (corners[0] == node || corners[1] == node || corners[2] == node);
+      const bool own =
+          &nodes == &faces && (corners[0] == node || corners[1] == node || corners[2] == node);
       const Vec3 n = faces.normal(t);
       if (own || n.dot(outward) > facing) return;
       const Corners c = faces.now(t);
       const TrianglePoint foot = closest_point(p, c);
       const Vec3 at = foot.on(c), apart = p - at;
       const Real height = n.dot(apart), distance = apart.norm();
-      // Beside the triangle, and not above or below it, nothing touches.
-      if (distance > depth * edge || distance > 2 * std::abs(height) + 0.1 * edge) return;
+      // Further beside the triangle nothing touches, however near: whether it does must not change
+      // as the gap closes.
+      if (distance > depth * edge || (apart - height * n).norm() > beside * edge) return;
       if (height > margin * edge) return;
       if (distance > least || (distance == least && t > best.triangle)) return;
       least = distance;
@@ -146,7 +149,8 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch&) const {
 Real SurfaceSurface::distance() const {
   SurfaceSurface now(first_.solid(), second().solid());
   std::vector<Touch> touches;
-  now.find(Nowhere(), touches);
+  // Wider and wider, until something is in reach.
+  for (; touches.empty() && now.reach_ < 1e3; now.reach_ *= 4) now.find(Nowhere(), touches);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const Touch& t : touches) smallest = std::min(smallest, t.gap);
   return smallest;

@@ -29,6 +29,7 @@ class SurfaceSurface : public Pair {
 
   MovingSurface first_, second_;
   bool is_self_;
+  Real reach_ = 1;                                    ///< times as far as touches are built from
   std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside
 };
 

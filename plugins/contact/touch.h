@@ -16,19 +16,19 @@ struct Touch {
   Index triangle = -1;               ///< of a surface
   bool nodes_are_second = false;     ///< of two surfaces: the triangle is one of the first
   Vec3 weights = Vec3::Zero();       ///< in the triangle, barycentric
-  Vec3 normal = Vec3::UnitZ();     ///< unit, from the second to the first
-  Vec3 along = Vec3::UnitX();      ///< roughly a direction on the surface, turning with the first
-  Vec3 at = Vec3::Zero();          ///< where forces act, on both (m)
-  Vec3 first_arm = Vec3::Zero();   ///< from the centre of the section to there (m)
-  Vec3 second_arm = Vec3::Zero();  ///< likewise
-  Real gap = 0;                    ///< between the surfaces; negative where they overlap (m)
+  Vec3 normal = Vec3::UnitZ();       ///< unit, from the second to the first
+  Vec3 along = Vec3::UnitX();        ///< roughly a direction on the surface, turning with the first
+  Vec3 at = Vec3::Zero();            ///< where forces act, on both (m)
+  Vec3 first_arm = Vec3::Zero();     ///< from the centre of the section to there (m)
+  Vec3 second_arm = Vec3::Zero();    ///< likewise
+  Real gap = 0;                      ///< between the surfaces; negative where they overlap (m)
   /// A strand that is bent round the other turns the normal as the other moves along it: by so much
   /// per length (1/m), and along which direction. Where it counts for nothing, 0.
   Real first_bend = 0, second_bend = 0;
   Vec3 first_tangent = Vec3::Zero(), second_tangent = Vec3::Zero();
-  bool carries = false;            ///< force, at the end of the step
-  std::uint64_t id = 0;            ///< of the contact, never used again
-  Vec2 left_over = Vec2::Zero();   ///< what sticking has missed in the steps before (m)
+  bool carries = false;           ///< force, at the end of the step
+  std::uint64_t id = 0;           ///< of the contact, never used again
+  Vec2 left_over = Vec2::Zero();  ///< what sticking has missed in the steps before (m)
 };
 
 /// Places on the first partner where there have been touches in this step or at the end of the one

@@ -22,7 +22,8 @@ Pose curve_frame(const Rod& rod, Real s, Configuration c);
 /// d point / d (x_a, spin_a, x_b, spin_b) of the beam.
 void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out);
 /// The same of the material point at `arm` (m, world axes) from the centre of the section. The
-/// section turns as the tangent of the cubic does, and rolls as the nodes do, linearly between them.
+/// section turns as the tangent of the cubic does, and rolls as the nodes do, linearly between
+/// them.
 void curve_surface_jacobian(const Rod& rod, Real s, const Vec3& arm, PointJacobian& out);
 /// The beams as segments.
 void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& out);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "sutura/geometry/curve_segments.h"
@@ -24,7 +25,8 @@ inline Line line_of(const SegmentedCurve& curve, int parts = 3) {
   return line;
 }
 
-/// Signed solid angle under which one segment sees the other (Klenin and Langowski 2000, method 1a).
+/// Signed solid angle under which one segment sees the other (Klenin and Langowski 2000, method
+/// 1a).
 inline Real solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 ac = c - a, ad = d - a, bc = c - b, bd = d - b;
   const Vec3 n[4] = {ac.cross(ad).normalized(), ad.cross(bd).normalized(),
@@ -35,12 +37,28 @@ inline Real solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
   return side > 0 ? sum : side < 0 ? -sum : 0;
 }
 
-/// Of two lines, or of one with itself (then each pair counts once).
-inline Real gauss_integral(const Line& a, const Line& b, bool self) {
+/// Pairs of segments of two lines (of one with itself each pair once) whose ways come close.
+using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+inline Pairs close_pairs(const Line& a0, const Line& a1, const Line& b0, const Line& b1,
+                         bool self) {
+  constexpr Real margin = 0.2e-3;  // m
+  const auto box = [](const Line& x, const Line& y, std::size_t i) {
+    Eigen::AlignedBox<Real, 3> all(x[i]);
+    all.extend(x[i + 1]), all.extend(y[i]), all.extend(y[i + 1]);
+    return all;
+  };
+  Pairs pairs;
+  for (std::size_t i = 0; i + 1 < a0.size(); ++i) {
+    const auto mine = box(a0, a1, i);
+    for (std::size_t j = self ? i + 2 : 0; j + 1 < b0.size(); ++j)
+      if (mine.exteriorDistance(box(b0, b1, j)) < margin) pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+inline Real gauss_integral(const Line& a, const Line& b, const Pairs& pairs) {
   Real sum = 0;
-  for (std::size_t i = 0; i + 1 < a.size(); ++i)
-    for (std::size_t j = self ? i + 2 : 0; j + 1 < b.size(); ++j)
-      sum += solid_angle(a[i], a[i + 1], b[j], b[j + 1]);
+  for (const auto& [i, j] : pairs) sum += solid_angle(a[i], a[i + 1], b[j], b[j + 1]);
   return sum / (4 * std::numbers::pi);
 }
 
@@ -58,10 +76,10 @@ inline int crossings(const Line& a0, const Line& a1, const Line& b0, const Line&
     return out;
   };
   int count = 0;
-  Real before = gauss_integral(a0, b0, self);
+  Real before = gauss_integral(a0, b0, pairs);
   for (int k = 1; k <= parts; ++k) {
     const Line a = at(a0, a1, k);
-    const Real now = gauss_integral(a, self ? a : at(b0, b1, k), self);
+    const Real now = gauss_integral(a, self ? a : at(b0, b1, k), pairs);
     count += std::abs(now - before) > 0.5;
     before = now;
   }

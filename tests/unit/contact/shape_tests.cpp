@@ -1,9 +1,9 @@
 // Signed distances of the rigid shapes against their definition.
-#include "shape.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "shape.h"
 
 namespace sutura::contact {
 namespace {
@@ -33,9 +33,9 @@ TEST(Shape, TheNormalIsTheGradientAndLeadsToTheSurface) {
       constexpr Real h = 1e-6;
       Vec3 gradient;
       for (int k = 0; k < 3; ++k)
-        gradient[k] = (shape.at(p + h * Vec3::Unit(k)).distance -
-                       shape.at(p - h * Vec3::Unit(k)).distance) /
-                      (2 * h);
+        gradient[k] =
+            (shape.at(p + h * Vec3::Unit(k)).distance - shape.at(p - h * Vec3::Unit(k)).distance) /
+            (2 * h);
       // Inside there are places as near to one face as to another, where it has a crease.
       if (d.distance < 0 && (gradient - d.normal).norm() > 1e-6)
         ++near_edges;

@@ -21,10 +21,10 @@ namespace {
 struct Capstan {
   Real mu = 0.3, wrap = 2 * std::numbers::pi;
   Real bar = 3e-3, radius = 0.0875e-3;
-  Real turn = 0.17;      ///< of a beam (rad)
-  Real tension = 0.02;   ///< at the slack end (N)
-  Real speed = 4e-3;     ///< of the hand (m/s)
-  Real pull = 0;         ///< a weight instead of the hand (N)
+  Real turn = 0.17;     ///< of a beam (rad)
+  Real tension = 0.02;  ///< at the slack end (N)
+  Real speed = 4e-3;    ///< of the hand (m/s)
+  Real pull = 0;        ///< a weight instead of the hand (N)
 };
 
 /// A thread with straight ends of 10 mm, wound round the bar as a helix whose turns do not meet.
@@ -61,7 +61,8 @@ TextRun wound(const Capstan& c) {
     << "<Track name='hand' times='0 0.1 10.1 s' positions='0 0 0 0 0 0 " << -10 * c.speed
     << " 0 0'/>";
   if (c.pull > 0)
-    s << "<ThreadLoad name='heavy' at='0' force='" << -c.pull << " 0 0' times='0 0.05 s' factors='0 1'/>";
+    s << "<ThreadLoad name='heavy' at='0' force='" << -c.pull
+      << " 0 0' times='0 0.05 s' factors='0 1'/>";
   else
     s << "<Grasper at='0' track='hand' rotation_stiffness='0'/>";
   return TextRun(s.str(), "dt='10 ms' gravity='0 0 0' tolerance='1e-3'");

@@ -14,9 +14,7 @@ namespace {
 std::string thread_on_plane(Real degrees, Real mu) {
   const Real angle = degrees * std::numbers::pi / 180;
   const Real down = std::cos(angle), drop = std::sin(angle), r = 0.1e-3;
-  const auto vector = [](Real x, Real z) {
-    return std::to_string(x) + " 0 " + std::to_string(z);
-  };
+  const auto vector = [](Real x, Real z) { return std::to_string(x) + " 0 " + std::to_string(z); };
   return "<plugin name='contact'/>"
          "<SutureThread name='suture' needle_length='0' thread='4-0 polypropylene' "
          "thread_diameter='0.2 mm' thread_length='20 mm' thread_beams='10' tip='" +
