@@ -113,14 +113,17 @@ TEST(Capstan, SticksBelowTheThresholdAndSlidesAbove) {
     c.pull = share * thick(c) * c.tension;
     TextRun run = wound(c);
     ASSERT_TRUE(run) << run.said();
-    run.run(0.1);
-    const Vec3 at = run.vector("/suture", "tip_position");
-    run.run(0.2);
-    const Real moved = (run.vector("/suture", "tip_position") - at).norm();
-    if (share < 1)
-      EXPECT_LT(moved, 1e-9);
-    else
-      EXPECT_GT(moved, 1e-3);
+    if (share < 1) {
+      run.run(0.1);
+      const Vec3 at = run.vector("/suture", "tip_position");
+      run.run(0.2);
+      EXPECT_LT((run.vector("/suture", "tip_position") - at).norm(), 1e-9);
+    } else {
+      // The tip begins at the origin; a thread so light has run off the bar soon after.
+      run.run(0.07);
+      EXPECT_GT(run.vector("/suture", "tip_position").norm(), 1e-3);
+      EXPECT_LT(run.vector("/suture", "tip_position").x(), 0);
+    }
   }
 }
 
