@@ -133,6 +133,9 @@ class Body {
   /// makes that the next guess. May go only part of the way if the linear answer cannot hold so
   /// far.
   virtual void correct(const StepContext& context, const VecX& force_change) = 0;
+  /// Back to `part` (0 to 1) of the straight way from the start of the step to the guess: something
+  /// is in the way (ConstraintSource::free_way).
+  virtual void shorten(const StepContext& /*context*/, Real /*part*/) {}
   /// Stage measure: what the guess lacks of balance under this constraint force.
   virtual Imbalance imbalance(const StepContext& context, const VecX& force) = 0;
   /// Once the guess is balanced: where it is no minimum of the body's potential (a straight thread

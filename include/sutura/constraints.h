@@ -108,6 +108,9 @@ class ConstraintBuilder {
               Mode mode = 0, BlockUnits units = {}) {
     return add_block(&law_operations<L>, key, &params, gap.data(), mode, units);
   }
+  /// Force of the first row of the block with this key in the pass before, or in the step before
+  /// (N); 0 if there was none. For stiffnesses that grow with it.
+  Real known_force(Key key) const;
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
   /// The first coupling decides where and on whom the block's force is drawn.
@@ -138,7 +141,7 @@ class ConstraintBuilder {
     std::vector<Real> lambda;
     /// `next`: what it will be asked for.
     void remember(const ConstraintProblem& problem, Warm next);
-    const Known* find(const ConstraintBlock& block) const;
+    const Known* find(Key key) const;
     void archive(Archive& archive, std::set<std::string>& laws);
   };
   void gather_rows(std::size_t body);
@@ -185,6 +188,9 @@ class ConstraintSource {
   /// Finds candidates. With `build` after each pass, so in a step it runs at several guesses; what
   /// a step is about (which surface, which sample) is best decided in pass 0 and kept.
   virtual void detect(const StepContext&) {}
+  /// Of what `detect` has looked at: how much of the straight way from the start of the step to the
+  /// guess may be gone, 1 if all of it. No guess goes further, whatever the solver finds.
+  virtual Real free_way() const { return 1; }
   /// Appends blocks, with their violation at the current configuration of the bodies. The order of
   /// blocks must depend on nothing but the state.
   virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;

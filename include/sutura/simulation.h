@@ -170,6 +170,7 @@ class Simulation {
   void begin_report();
   bool balance(StepContext context, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
+  void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);
   bool measure(const StepContext& context);
   bool leave_saddles();

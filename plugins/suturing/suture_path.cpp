@@ -140,6 +140,20 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   }
 }
 
+/// Bites follow each other along the path: each from the sample of its entry to that of its exit.
+void SuturePath::inside(std::vector<Stretch>& out) const {
+  out.clear();
+  Stretch bite;
+  for (std::size_t i = 0; i < sample_crossings_; ++i) {
+    const PathSample& s = channel_->samples()[i];
+    const auto [low, high] = std::minmax(s.abscissa, crossings_[i].abscissa);
+    if (i == 0 || s.kind == PathSample::Kind::entry) bite = {low, high};
+    bite.low = std::min(bite.low, low);
+    if (i + 1 == sample_crossings_ && s.kind != PathSample::Kind::exit) bite.low = 0;
+    if (i + 1 == sample_crossings_ || s.kind == PathSample::Kind::exit) out.push_back(bite);
+  }
+}
+
 /// A thread that is further from its channel than a needle is thick is not in it any more.
 std::string SuturePath::fault() const {
   const Real far = 2 * std::max(thread_->radius(0), thread_->radius(thread_->length()));

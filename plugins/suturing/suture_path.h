@@ -9,6 +9,7 @@
 #include "channel.h"
 #include "sutura/constraints.h"
 #include "sutura/describe.h"
+#include "sutura/passage.h"
 
 namespace sutura::suturing {
 
@@ -28,7 +29,7 @@ struct Crossing {
   PointJacobian tissue;
 };
 
-class SuturePath : public Component, public ConstraintSource {
+class SuturePath : public Component, public ConstraintSource, public Passage {
  public:
   static constexpr const char* interface_name = "SuturePath";
   static void describe(Describe<SuturePath>& d);
@@ -39,6 +40,10 @@ class SuturePath : public Component, public ConstraintSource {
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   std::string fault() const override;
   const char* rows_attribute() const override { return "spacing"; }
+
+  const CurveBody& curve() const override { return *thread_; }
+  const SolidBody& solid() const override { return *tissue_; }
+  void inside(std::vector<Stretch>& out) const override;
 
   const CurveBody& thread() const { return *thread_; }
   const SolidBody& tissue() const { return *tissue_; }

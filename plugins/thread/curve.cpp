@@ -65,6 +65,37 @@ void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out)
       w[2] * Mat3::Identity(), -w[3] * cross_matrix(curve.mb);
 }
 
+void curve_surface_jacobian(const Rod& rod, Real s, const Vec3& arm, PointJacobian& out) {
+  curve_jacobian(rod, s, Configuration::current, out);
+  const CurvePlace at = place(rod, s);
+  const Cubic curve = cubic(rod, at.beam, Configuration::current);
+  const auto w = Cubic::weight_slopes(at.u);
+  const Vec3 slope = curve.slope(at.u);
+  const Vec3 t = slope.normalized();
+  // velocity += spin x arm, with spin = t x (rate of the slope) / |slope| + t (t . mean spin).
+  const Mat3 turn = -cross_matrix(arm) * cross_matrix(t) / slope.norm();
+  const Mat3 roll = -cross_matrix(arm) * t * t.transpose();
+  auto& J = out.coefficients;
+  J.block<3, 3>(0, 0) += w[0] * turn;
+  J.block<3, 3>(0, 3) += (1 - at.u) * roll - w[1] * turn * cross_matrix(curve.ma);
+  J.block<3, 3>(0, 6) += w[2] * turn;
+  J.block<3, 3>(0, 9) += at.u * roll - w[3] * turn * cross_matrix(curve.mb);
+}
+
+void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& out) {
+  out.resize(static_cast<std::size_t>(rod.beams()));
+  for (Index e = 0; e < rod.beams(); ++e) {
+    const Cubic q = cubic(rod, e, c);
+    out[static_cast<std::size_t>(e)] = {.from = rod.abscissa()[e],
+                                        .to = rod.abscissa()[e + 1],
+                                        .xa = q.xa,
+                                        .ma = q.ma,
+                                        .xb = q.xb,
+                                        .mb = q.mb,
+                                        .radius = rod.section(e).radius};
+  }
+}
+
 Real beam_curvature(const Rod& rod, Index beam) {
   const auto& p = rod.poses(Configuration::current);
   const Vec3 ta = p[beam].rotation * Vec3::UnitX(), tb = p[beam + 1].rotation * Vec3::UnitX();

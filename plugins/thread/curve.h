@@ -3,6 +3,7 @@
 
 #include "cubic.h"
 #include "rod.h"
+#include "sutura/geometry/curve_segments.h"
 
 namespace sutura::thread {
 
@@ -20,6 +21,12 @@ Vec3 curve_tangent(const Rod& rod, Real s, Configuration c);
 Pose curve_frame(const Rod& rod, Real s, Configuration c);
 /// d point / d (x_a, spin_a, x_b, spin_b) of the beam.
 void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out);
+/// The same of the material point at `arm` (m, world axes) from the centre of the section. The
+/// section turns as the tangent of the cubic does, and rolls as the nodes do, linearly between
+/// them.
+void curve_surface_jacobian(const Rod& rod, Real s, const Vec3& arm, PointJacobian& out);
+/// The beams as segments.
+void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& out);
 /// First local minimum of the distance to p met downhill from `guess` within [low, high].
 Real curve_closest(const Rod& rod, const Vec3& p, Real guess, Real low, Real high, Configuration c);
 

@@ -126,6 +126,8 @@ class Rod {
   /// From the start of the step to the guess: shift and turn of every node (see `turned`; m, rad; 6
   /// per node).
   const DofVector& motion() const { return motion_; }
+  /// Back to that part of the way to the guess.
+  void shorten(Real part);
   /// Another guess.
   void guess(const VecX& motion);
 

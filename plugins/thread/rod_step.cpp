@@ -338,6 +338,11 @@ void Rod::correct(const Dofs& force_change) {
   last_turn_ = turn;
 }
 
+void Rod::shorten(Real part) {
+  motion_ *= part;
+  take_motion();
+}
+
 void Rod::guess(const VecX& motion) {
   motion_ = motion;
   take_motion();

@@ -40,6 +40,7 @@ Pose SutureShape::start(Real s) const {
   if (s <= needle_length) return needle(s);
   const Pose swage = needle(needle_length);
   const Real along = s - needle_length;
+  if (thread_start) return thread_start->at(swage, along);
   const Vec3 t = swage.rotation * Vec3::UnitX();
   if (thread_direction.isZero()) return along_arc(swage, swage.rotation * Vec3::UnitZ(), 0, along);
   const Vec3 d = thread_direction.normalized();

@@ -11,7 +11,7 @@
 
 namespace sutura::thread {
 
-class SutureThread : public Component, public CurveBody {
+class SutureThread : public Component, public SegmentedCurve {
  public:
   static constexpr const char* interface_name = "SutureThread";
   enum class Clamp { none, start, end, both };
@@ -22,7 +22,7 @@ class SutureThread : public Component, public CurveBody {
   Real thread_length = 0.3, thread_diameter = 0.175e-3;
   Real thread_young = 1.5e9, thread_poisson = 0.4, thread_density = 910, bending_factor = 1;
   Real thread_bend_radius = 5e-3, thread_rest_curvature = 0, thread_rest_torsion = 0;
-  File thread_rest_file;
+  File thread_rest_file, thread_start_file;
   std::string needle, thread;
   Real sampling_angle = 0, shortest_beam = 0.5e-3;
   Index needle_beams = 12, thread_beams = 100, newton_iterations = 1;
@@ -51,6 +51,7 @@ class SutureThread : public Component, public CurveBody {
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
+  void shorten(const StepContext&, Real part) override { rod_.shorten(part); }
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
   bool leave_saddle() override;
@@ -79,6 +80,12 @@ class SutureThread : public Component, public CurveBody {
                         Configuration c) const override {
     return curve_closest(rod_, p, guess, low, high, c);
   }
+  void segments(Configuration c, std::vector<CurveSegment>& out) const override {
+    curve_segments(rod_, c, out);
+  }
+  void surface_jacobian(Real s, const Vec3& arm, PointJacobian& out) const override {
+    curve_surface_jacobian(rod_, s, arm, out);
+  }
   Index add_hold(Real s) override;
   void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
   void release_hold(Index hold) override;
@@ -100,6 +107,7 @@ class SutureThread : public Component, public CurveBody {
   void look_up_products(Setup& setup);
   void place_needle(Setup& setup);
   RestShape read_rest(Setup& setup);
+  RestShape read_shape(Setup& setup, const char* attribute, const File& file);
   void start_moving();
   void build();
   void lay_out(std::vector<Real> nodes);

@@ -54,6 +54,9 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "CSV file with curvature and torsion along the thread at rest, instead of the two "
               "numbers: columns s [mm], curvature [1/m], torsion [1/m]; a row holds from its s, "
               "counted from the needle's end, to the next.");
+  d.attribute("thread_start_file", &T::thread_start_file,
+              "CSV file, in the same form, with curvature and torsion of the thread as it is laid "
+              "out at the start, instead of thread_direction: wound round a bar, in a loop.");
   d.attribute("thread_beams", &T::thread_beams, between(1, 100000), "Beams of the thread.");
 
   d.attribute(

@@ -31,6 +31,12 @@ void SutureThread::initialise(Setup& setup) {
   doubt_sizes(setup);
   place_needle(setup);
   const RestShape rest = read_rest(setup);
+  std::optional<RestShape> start;
+  if (!thread_start_file.path.empty()) {
+    if (says("thread_direction"))
+      setup.error(*this, "thread_start_file and thread_direction both say how the thread lies");
+    start = read_shape(setup, "thread_start_file", thread_start_file);
+  }
   if (!setup.ok()) return;
   shape_ = {.needle_length = needle_arc_length,
             .needle_angle = needle_angle,
@@ -40,7 +46,8 @@ void SutureThread::initialise(Setup& setup) {
             .plane_normal = plane_normal,
             .thread_direction = thread_direction,
             .thread_bend_radius = thread_bend_radius,
-            .thread_rest = rest};
+            .thread_rest = rest,
+            .thread_start = start};
   build();
 }
 
@@ -121,7 +128,11 @@ RestShape SutureThread::read_rest(Setup& setup) {
     return RestShape(std::vector<RestPiece>{{0, thread_rest_curvature, thread_rest_torsion}});
   if (says("thread_rest_curvature") || says("thread_rest_torsion"))
     setup.error(*this, "the rest shape is given twice, by thread_rest_file and by a number");
-  const std::filesystem::path file = setup.resolve(thread_rest_file.path);
+  return read_shape(setup, "thread_rest_file", thread_rest_file);
+}
+
+RestShape SutureThread::read_shape(Setup& setup, const char* attribute, const File& from) {
+  const std::filesystem::path file = setup.resolve(from.path);
   int line = 0;
   std::string error;
   std::vector<RestPiece> pieces = read_rest_shape(file, line, error);
@@ -130,7 +141,7 @@ RestShape SutureThread::read_rest(Setup& setup) {
   if (line > 0)
     setup.diagnostics.error({file.string(), line}, path(), error, Category::file);
   else
-    setup.error(*this, "thread_rest_file: " + error, Category::file);
+    setup.error(*this, std::string(attribute) + ": " + error, Category::file);
   return {};
 }
 

@@ -212,6 +212,11 @@ void Tissue::correct(const StepContext& context, const VecX& force_change) {
   move_queries(Configuration::current, step_->positions());
 }
 
+void Tissue::shorten(const StepContext& context, Real part) {
+  step_->shorten(context, part);
+  move_queries(Configuration::current, step_->positions());
+}
+
 std::string Tissue::fault() const {
   const Index n = inverted();
   return n == 0 ? ""

@@ -76,6 +76,7 @@ class Tissue : public Component, public MeshedSolid {
     add_tissue_compliance(*solver_, rows, dt, W);
   }
   void correct(const StepContext& context, const VecX& force_change) override;
+  void shorten(const StepContext& context, Real part) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override {
     return step_->imbalance(context, force);
   }

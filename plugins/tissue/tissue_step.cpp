@@ -167,6 +167,17 @@ void TissueStep::correct(const StepContext& context, const VecX& force_change) {
   balance(context);
 }
 
+/// What is held goes where it is held, however far that is.
+void TissueStep::shorten(const StepContext& context, Real part) {
+  v_ *= part;
+  model_.held.set_velocities(start_x_, context.dt, v_);
+  x_ = start_x_ + context.dt * v_;
+  force_.setZero();
+  model_.elastic->add_force(x_, force_);
+  add_outer_forces();
+  if (linearisations_ > 0) balance(context);
+}
+
 Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
   const Real h = context.dt;
   Imbalance worst;

@@ -31,6 +31,7 @@ class TissueStep {
   void linearise(const StepContext& context, const VecX& force);
   const VecX& change() const { return change_; }
   void correct(const StepContext& context, const VecX& force_change);
+  void shorten(const StepContext& context, Real part);
   Imbalance imbalance(const StepContext& context, const VecX& force);
   void end(const StepContext& context, const VecX& force);
 

@@ -156,10 +156,24 @@ void Simulation::constraint_force(std::size_t body) {
   problem_.bodies[body].add_transposed(problem_.lambda, body_force_[body]);
 }
 
+/// What may touch at the present guess. Where a source finds the way to it barred, the guess goes
+/// back to the part of the way that is free.
+void Simulation::detect(const StepContext& context) {
+  constexpr int most_looks = 8;
+  for (int look = 0;; ++look) {
+    for (ConstraintSource* source : sources_) ask(source).detect(context);
+    Real part = 1;
+    for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
+    if (part >= 1 || look > most_looks) return;
+    if (look == most_looks) part = 0;  // back to the start, which was free
+    for (const NamedBody& b : bodies_) ask(b.body).shorten(context, part);
+  }
+}
+
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
 void Simulation::build(const StepContext& context, Timer& timer) {
   timer.enter(Stage::detect);
-  for (ConstraintSource* source : sources_) ask(source).detect(context);
+  detect(context);
   timer.enter(Stage::build);
   using Warm = ConstraintBuilder::Warm;
   builder_->begin(context.pass == 0 ? Warm::step_before : Warm::pass_before);

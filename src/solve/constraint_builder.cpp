@@ -34,11 +34,17 @@ void ConstraintBuilder::Memory::remember(const ConstraintProblem& problem, Warm 
   lambda.assign(problem.lambda.begin(), problem.lambda.end());
 }
 
-const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(const ConstraintBlock& b) const {
+const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(Key wanted) const {
   const auto it =
-      std::lower_bound(blocks.begin(), blocks.end(), b.key,
+      std::lower_bound(blocks.begin(), blocks.end(), wanted,
                        [](const Known& known, const Key& key) { return known.key < key; });
-  return it != blocks.end() && it->key == b.key && it->law == b.law->name ? &*it : nullptr;
+  return it != blocks.end() && it->key == wanted ? &*it : nullptr;
+}
+
+Real ConstraintBuilder::known_force(Key key) const {
+  const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
+  const Known* known = memory.find(key);
+  return known != nullptr ? memory.lambda[static_cast<std::size_t>(known->first)] : Real(0);
 }
 
 void ConstraintBuilder::accept() {
@@ -163,8 +169,8 @@ void ConstraintBuilder::finish() {
   problem_.lambda.setZero(rows);
   const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
   for (ConstraintBlock& b : problem_.blocks) {
-    const Known* old = memory.find(b);
-    if (old == nullptr) continue;
+    const Known* old = memory.find(b.key);
+    if (old == nullptr || old->law != b.law->name) continue;
     const Eigen::Map<const VecX> lambda(memory.lambda.data() + old->first, b.law->dim);
     if (lambda.allFinite()) problem_.lambda.segment(b.first_row, b.law->dim) = lambda;
     b.mode = old->mode;

@@ -1,0 +1,167 @@
+#include "contact.h"
+
+#include "curve_curve.h"
+#include "curve_surface.h"
+#include "curve_tool.h"
+#include "surface_surface.h"
+#include "surface_tool.h"
+#include "sutura/archive.h"
+#include "sutura/laws/bilateral.h"
+#include "sutura/laws/coulomb.h"
+#include "sutura/laws/unilateral.h"
+
+namespace sutura::contact {
+
+void Contact::describe(Describe<Contact>& d) {
+  d.summary(
+      "Two partners do not pass through each other and rub: a thread and another, or itself, or a "
+      "Tool. One Contact says it for one pair.");
+  d.theory(
+      "Each touch is three rows under Coulomb's law: the gap between the surfaces along their "
+      "common normal, and the slip of the step across it. Points, normals and gaps are those of "
+      "the end of the step, found anew at every guess; a touch is built before the surfaces meet. "
+      "No guess is taken whose straight way from the start of the step leads one centreline "
+      "through the other, or through a tool (see the theory of contact).");
+  d.link("first", &Contact::first_, "A thread; or a tissue, with another or with itself.");
+  d.link("second", &Contact::second_,
+         "What it touches; left out together with 'tool', it touches itself.")
+      .named_only();
+  d.link("tool", &Contact::tool_, "A rigid shape that it touches, instead of 'second'.")
+      .named_only();
+  d.link("passage", &Contact::passage_,
+         "The path of a thread through the tissue that it touches: what is inside is not in "
+         "contact.")
+      .optional();
+  d.attribute("friction", &Contact::friction_, "1", between(0, 100),
+              "Coulomb coefficient of the pair.");
+  d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
+              "By how much the surfaces give way along the normal under a force at one touch; 0: "
+              "they are hard. A thread of diameter d gives about 1 / (E d) across.");
+  d.output("force", "N", "Of all touches on the first.", [](const Contact& c) { return c.force_; });
+  d.output("largest_force", "N", "The largest force along the normal at one touch.",
+           [](const Contact& c) { return c.largest_force_; });
+  d.output("touches", "1", "Number of touches that carry force.",
+           [](const Contact& c) { return Real(c.closed_); });
+  d.output("distance", "m",
+           "The smallest distance between the surfaces; negative where they overlap.",
+           [](const Contact& c) { return c.pair_->distance(); });
+}
+
+void Contact::initialise(Setup& setup) {
+  source_id_ = setup.source_id;
+  pair_ = make_pair(setup);
+}
+
+std::unique_ptr<Pair> Contact::make_pair(Setup& setup) {
+  if (second_ && tool_) {
+    setup.error(*this, "both 'second' and 'tool' are given; expected one of them");
+    return nullptr;
+  }
+  auto* curve = dynamic_cast<SegmentedCurve*>(first_.get());
+  if (curve != nullptr && tool_) return std::make_unique<CurveTool>(*curve, *tool_);
+  auto* other = dynamic_cast<SegmentedCurve*>(second_ ? second_.get() : first_.get());
+  if (curve != nullptr && other != nullptr && !tool_)
+    return std::make_unique<CurveCurve>(*curve, *other);
+  auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
+  auto* other_solid = dynamic_cast<MeshedSolid*>(second_ ? second_.get() : first_.get());
+  if (curve != nullptr && other_solid != nullptr && !tool_) {
+    const bool holds = passage_ && &passage_->curve() == curve && &passage_->solid() == other_solid;
+    return std::make_unique<CurveSurface>(*curve, *other_solid, holds ? passage_.get() : nullptr);
+  }
+  if (solid != nullptr && tool_) return std::make_unique<SurfaceTool>(*solid, *tool_);
+  if (solid != nullptr && other_solid != nullptr && !tool_)
+    return std::make_unique<SurfaceSurface>(*solid, *other_solid);
+  setup.error(*this,
+              "these two cannot touch; expected as 'first' a thread or tissue and as 'second' "
+              "another or nothing, or with a Tool");
+  return nullptr;
+}
+
+void Contact::ready(Setup& setup) {
+  const Real distance = pair_->distance();
+  constexpr Real rounding = 1e-5;  // m: what a scene that lays one on the other may be off
+  if (distance < -rounding)
+    setup.error(*this, "the two overlap by " + std::to_string(-distance * 1e3) +
+                           " mm at the start; move one of them");
+}
+
+void Contact::archive(Archive& a) {
+  memory_.archive(a);
+  a("force", force_);
+  a("closed", closed_);
+  a("largest_force", largest_force_);
+}
+
+void Contact::detect(const StepContext& context) {
+  touches_.clear();
+  if (context.pass == 0) memory_.begin_step();
+  pair_->find(memory_, touches_);
+  memory_.recognise(touches_, *pair_);
+}
+
+void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
+  blocks_.clear();
+  for (const Touch& t : touches_) {
+    Mat3 axes;  // rows: normal, along the first, across both
+    axes.row(0) = t.normal;
+    const Vec3 along = t.along - t.along.dot(t.normal) * t.normal;
+    const bool is_clear = along.norm() > 1e-3 * t.along.norm();
+    axes.row(1) = is_clear ? along.normalized() : t.normal.unitOrthogonal();
+    axes.row(2) = t.normal.cross(Vec3(axes.row(1)));
+    const Key key = make_key(source_id_, t.id);
+    if (friction_ > 0) {
+      Vec3 gap = axes * pair_->slip(t);
+      gap.tail<2>() += t.left_over;
+      gap[0] = t.gap;
+      blocks_.push_back(builder.add<Coulomb>(key, {friction_, compliance_}, gap));
+      pair_->couple(t, blocks_.back(), axes, builder);
+    } else {
+      blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
+      pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
+    }
+    stiffen(context, t, builder);
+  }
+}
+
+/// The force of a touch turns with its normal, which linear rows do not know: passes would go to
+/// and fro where that is stiffer than the bodies. So what the normal resists is said as springs,
+/// about the guess: without force there, and gone with the pass.
+void Contact::stiffen(const StepContext& context, const Touch& t, ConstraintBuilder& builder) {
+  const Real force = builder.known_force(make_key(source_id_, t.id));
+  if (!(force > 0)) return;
+  const auto spring = [&](bool first, Real stiffness, const Vec3& along) {
+    if (!(stiffness > 0)) return;
+    // A name for this pass only: what it carried is not taken on.
+    const std::uint64_t pass = static_cast<std::uint64_t>(context.pass & 255);
+    const std::uint64_t name = (std::uint64_t{1} << 39) | (t.id << 9) | (pass << 1) | first;
+    const BlockId block =
+        builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness}, BlockVector<1>(0));
+    const Vec3 across = (along - along.dot(t.normal) * t.normal).normalized();
+    pair_->couple_alone(t, first, block, across, builder);
+  };
+  spring(false, force * t.first_bend, t.first_tangent);
+  spring(true, force * t.second_bend, t.second_tangent);
+}
+
+void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
+  force_.setZero();
+  closed_ = 0;
+  largest_force_ = 0;
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    Touch& t = touches_[i];
+    const BlockId block = blocks_[i];
+    const Vec3 force = solved.force(block);
+    const Real normal = solved.lambda(block)[0];
+    force_ += force;
+    t.carries = normal > 0;
+    closed_ += t.carries;
+    largest_force_ = std::max(largest_force_, normal);
+    pair_->tell_force(t, force);
+    const bool sticks =
+        friction_ > 0 && static_cast<Friction>(solved.mode(block)) == Friction::stick;
+    t.left_over = sticks ? Vec2(solved.delta(block).tail<2>()) : Vec2(Vec2::Zero());
+  }
+  memory_.remember(touches_);
+}
+
+}  // namespace sutura::contact

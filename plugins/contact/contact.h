@@ -1,0 +1,46 @@
+// Component Contact: two partners do not pass through each other, and rub.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contact_memory.h"
+#include "rigid_tool.h"
+#include "sutura/describe.h"
+#include "sutura/passage.h"
+
+namespace sutura::contact {
+
+class Contact : public Component, public ConstraintSource {
+ public:
+  static void describe(Describe<Contact>& d);
+  void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
+  void archive(Archive& archive) override;
+  void detect(const StepContext& context) override;
+  void build(const StepContext& context, ConstraintBuilder& builder) override;
+  void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  Real free_way() const override { return pair_->free_way(); }
+
+ private:
+  void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
+  std::unique_ptr<Pair> make_pair(Setup& setup);
+
+  Link<Body> first_, second_;
+  Link<RigidTool> tool_;
+  Link<Passage> passage_;
+  Real friction_ = 0.2;
+  Real compliance_ = 0;
+
+  Index source_id_ = 0;
+  std::unique_ptr<Pair> pair_;
+  ContactMemory memory_;
+  std::vector<Touch> touches_;
+  std::vector<BlockId> blocks_;
+  Vec3 force_ = Vec3::Zero();  ///< on the first
+  Index closed_ = 0;
+  Real largest_force_ = 0;
+};
+
+}  // namespace sutura::contact

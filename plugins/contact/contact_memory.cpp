@@ -1,0 +1,69 @@
+#include "contact_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sutura/archive.h"
+
+namespace sutura::contact {
+
+Real ContactMemory::between(Real low, Real high) const {
+  const auto it = std::upper_bound(met_.begin(), met_.end(), low,
+                                   [](Real place, const Known& k) { return place < k.first; });
+  return it != met_.end() && it->first < high ? it->first : std::numeric_limits<Real>::quiet_NaN();
+}
+
+/// `met_` is sorted by the first place: only those within the tolerance are compared.
+void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
+  taken_.assign(met_.size(), 0);
+  const std::size_t known = met_.size();
+  for (Touch& t : touches) {
+    const Pair::Tolerance near = pair.tolerance(t);
+    auto it = std::lower_bound(met_.begin(), met_.begin() + static_cast<std::ptrdiff_t>(known),
+                               t.first_place - near.first,
+                               [](const Known& k, Real place) { return k.first < place; });
+    std::size_t best = known;
+    Real least = std::numeric_limits<Real>::infinity();
+    for (auto i = static_cast<std::size_t>(it - met_.begin());
+         i < known && met_[i].first <= t.first_place + near.first; ++i) {
+      const Real second = std::abs(met_[i].second - t.second_place);
+      if (taken_[i] || second > near.second) continue;
+      const Real off = std::abs(met_[i].first - t.first_place) + second;
+      if (off < least) least = off, best = i;
+    }
+    if (best < known) {
+      taken_[best] = 1;
+      t.id = met_[best].id;
+      t.left_over = met_[best].left_over;
+      met_[best].first = t.first_place, met_[best].second = t.second_place;
+    } else {
+      t.id = next_id_++;
+      met_.push_back({t.id, t.first_place, t.second_place, Vec2::Zero()});
+    }
+  }
+  std::sort(met_.begin(), met_.end(), [](const Known& a, const Known& b) {
+    return a.first != b.first ? a.first < b.first : a.id < b.id;
+  });
+}
+
+void ContactMemory::remember(const std::vector<Touch>& touches) {
+  known_.clear();
+  for (const Touch& t : touches)
+    if (t.carries) known_.push_back({t.id, t.first_place, t.second_place, t.left_over});
+  std::sort(known_.begin(), known_.end(), [](const Known& a, const Known& b) {
+    return a.first != b.first ? a.first < b.first : a.id < b.id;
+  });
+}
+
+void ContactMemory::archive(Archive& a) {
+  a.list("known", known_, [](Archive& each, Known& k) {
+    each("id", k.id);
+    each("first", k.first);
+    each("second", k.second);
+    each("left_over", k.left_over);
+  });
+  a("next_id", next_id_);
+}
+
+}  // namespace sutura::contact

@@ -1,0 +1,36 @@
+// Contacts from pass to pass and from step to step: who is who, and what sticking has missed.
+#pragma once
+
+#include <vector>
+
+#include "touch.h"
+
+namespace sutura {
+class Archive;
+}
+
+namespace sutura::contact {
+
+class ContactMemory : public TouchedPlaces {
+ public:
+  void begin_step() { met_ = known_; }
+  Real between(Real low, Real high) const override;
+  /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
+  /// of this one, or a new one.
+  void recognise(std::vector<Touch>& touches, const Pair& pair);
+  /// What the step ends with: those that carry force. Of one that slipped `left_over` is nothing.
+  void remember(const std::vector<Touch>& touches);
+  void archive(Archive& archive);
+
+ private:
+  struct Known {
+    std::uint64_t id = 0;
+    Real first = 0, second = 0;
+    Vec2 left_over = Vec2::Zero();
+  };
+  std::vector<Known> known_, met_;  ///< at the start of the step; in its passes
+  std::vector<char> taken_;
+  std::uint64_t next_id_ = 0;
+};
+
+}  // namespace sutura::contact

@@ -1,0 +1,284 @@
+#include "curve_curve.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pose_maths.h"
+
+namespace sutura::contact {
+namespace {
+
+// In units of the sum of the two radii.
+constexpr Real margin = 0.5;        // a touch is built from this far, before there is one
+constexpr Real node_margin = 0.25;  // and at nodes of strands that run along each other
+constexpr Real clearance = 0.5;     // centrelines may come as near to each other on their ways
+constexpr Real dip = 0.05;          // what strands may be nearer than at the touches beside
+// In units of the length of a segment.
+constexpr Real at_node = 0.05;
+constexpr Real doubles = 0.05;  // touches closer than this on both are one
+// Strands run along each other if the cosine between them is larger.
+constexpr Real along = 0.5;
+// Between two points that touch a strand must turn by pi, at least; less what segments hide.
+constexpr Real least_turn = 2.5;
+
+Real turn(const CurveSegment& s) {
+  const auto angle = [](const Vec3& a, const Vec3& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  };
+  const Vec3 chord = s.xb - s.xa;
+  return angle(s.ma, chord) + angle(chord, s.mb);
+}
+
+Real reach(const CurveSegment& a, const CurveSegment& b) {
+  return a.radius + b.radius;
+}
+
+/// With rho the radius of curvature towards the other strand, at the distance d: 1 / (rho - d), the
+/// second derivative of the distance as the other moves along this one; 0 where it is bent away.
+Real bend(const CurveSegment& s, Real u, const Vec3& towards, Real distance) {
+  const Real speed = s.slope(u).squaredNorm();
+  const Real curvature = towards.dot(s.second(u)) / speed;
+  constexpr Real tightest = 0.9;  // a strand that is bent as tight as it is thick has no limit
+  if (!(curvature > 0)) return 0;
+  return curvature / (1 - std::min(curvature * distance, tightest));
+}
+
+/// Height of `a` over `b` along n: no point of one is closer than that to any of the other.
+Real height_between(const CurveSegment& a, const CurveSegment& b, const Vec3& n) {
+  Vec3 p[4], q[4];
+  MovingCurve::hull(a, p), MovingCurve::hull(b, q);
+  Real low = n.dot(p[0]), high = n.dot(q[0]);
+  for (int k = 1; k < 4; ++k) low = std::min(low, n.dot(p[k])), high = std::max(high, n.dot(q[k]));
+  return low - high;
+}
+
+}  // namespace
+
+void CurveCurve::look() {
+  a_.look(first_);
+  tree_a_.fit(a_);
+  if (is_self_) {
+    add_up_turns();
+  } else {
+    b_.look(second_);
+    tree_b_.fit(b_);
+  }
+}
+
+void CurveCurve::add_up_turns() {
+  turned_.resize(a_.size() + 1);
+  turned_[0] = 0;
+  for (std::size_t i = 0; i < a_.size(); ++i)
+    turned_[i + 1] = turned_[i] + std::max(turn(a_.start[i]), turn(a_.now[i]));
+}
+
+bool CurveCurve::are_apart(std::size_t i, std::size_t j) const {
+  const Real arc = a_.now[j].from - a_.now[i].to;
+  return arc > 0 && turned_[j + 1] - turned_[i] > least_turn &&
+         a_.now[j].to - a_.now[i].from > std::numbers::pi * a_.now[i].radius;
+}
+
+template <class Meet>
+void CurveCurve::each_pair(std::size_t i, std::size_t j, Real near, const Meet& found) const {
+  const CurveTree::Span p = tree_a_.span(i), q = tree_b().span(j);
+  if (p.begin == p.end || q.begin == q.end) return;
+  // Nothing on this stretch turns far enough to meet itself.
+  if (is_self_ && turned_[q.end] - turned_[p.begin] <= least_turn) return;
+  if (!CurveTree::may_meet(tree_a_, i, tree_b(), j, near)) return;
+  const bool a_is_leaf = i >= tree_a_.first_leaf(), b_is_leaf = j >= tree_b().first_leaf();
+  if (a_is_leaf && b_is_leaf) {
+    if (!is_self_ || (i < j && are_apart(p.begin, q.begin))) found(p.begin, q.begin);
+  } else if (is_self_ && i == j) {
+    each_pair(2 * i, 2 * i, near, found);
+    each_pair(2 * i, 2 * i + 1, near, found);
+    each_pair(2 * i + 1, 2 * i + 1, near, found);
+  } else if (b_is_leaf || (!a_is_leaf && p.end - p.begin >= q.end - q.begin)) {
+    each_pair(2 * i, j, near, found);
+    each_pair(2 * i + 1, j, near, found);
+  } else {
+    each_pair(i, 2 * j, near, found);
+    each_pair(i, 2 * j + 1, near, found);
+  }
+}
+
+void CurveCurve::find(const TouchedPlaces& before, std::vector<Touch>& out) {
+  look();
+  free_way_ = 1;
+  Real widest = 0;
+  for (const CurveSegment& s : a_.now) widest = std::max(widest, s.radius);
+  for (const CurveSegment& s : b().now) widest = std::max(widest, s.radius);
+  const std::size_t from = out.size();
+  each_pair(1, 1, 2 * margin * widest,
+            [&](std::size_t i, std::size_t j) { meet(i, j, before, out); });
+  drop_doubles(out, from);
+}
+
+bool CurveCurve::is_lowest(Real u, Real slope, std::size_t segment, std::size_t segments) {
+  constexpr Real rounding = 1e-9;
+  if (u <= 0) return segment == 0 || std::abs(slope) < rounding;
+  if (u >= 1) return segment + 1 == segments;  // else the next one has it at its u = 0
+  return true;
+}
+
+void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
+                      std::vector<Touch>& out) {
+  const CurveSegment &a = a_.now[i], &c = b().now[j];
+  const CurveSegment &a0 = a_.start[i], &c0 = b().start[j];
+  const Real R = reach(a, c);
+  const Vec3 common = (a.xa - a0.xa + c.xa - c0.xa) / 2;
+  const Real motion = a_.motion(i, common) + b().motion(j, common);
+  const Real middles = ((a0.xa + a0.xb - c0.xa - c0.xb) / 2).norm();
+  if (middles - MovingCurve::extent(a0) - MovingCurve::extent(c0) - motion > (1 + margin) * R)
+    return;
+
+  const Real fine = R;
+  const auto is_free = [&](const ClosestPair& at) {
+    if (!(at.distance >= clearance * R)) return false;
+    const Vec3 n = at.apart / at.distance;
+    return height_between(a0, c0, n) >= clearance * R && height_between(a, c, n) >= clearance * R;
+  };
+  ClosestPair end = closest_on(a, c, fine);
+  if (!is_free(end)) {
+    ClosestPair at = closest_on(a0, c0, fine);
+    if (!is_free(at)) {
+      const Real way = way_through(motion, clearance * R, [&](Real t) {
+        at = closest_on(a_.at(i, t), b().at(j, t), fine);
+        return at.distance;
+      });
+      free_way_ = std::min(free_way_, way);
+      if (way < 1) return;
+    }
+  }
+  if (end.distance > (1 + margin) * R) return;
+
+  const auto slope = [](const ClosestPair& at, const Vec3& t) {
+    return at.apart.dot(t) / (at.distance * t.norm());
+  };
+  const auto is_on_b = [&](const ClosestPair& at) {
+    return is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size());
+  };
+  // Strands along each other touch at the nodes of the first.
+  Real nearest = std::numeric_limits<Real>::infinity();
+  const Real cosine = a.slope(end.u).normalized().dot(c.slope(end.v).normalized());
+  const bool is_along = std::abs(cosine) > along;
+  for (const Real u : {0., 1.}) {
+    if (!is_along) break;
+    const ClosestPair at = closest_to(a.point(u), u, c);
+    if (!is_on_b(at)) continue;
+    nearest = std::min(nearest, at.distance);
+    const bool is_mine = u < 1 || i + 1 == a_.size();
+    if (is_mine && at.distance < (1 + node_margin) * R) touch_at(i, j, at, out);
+  }
+  for (Real place = a.abscissa(at_node); is_along;) {
+    place = before.between(place, a.abscissa(1 - at_node));
+    if (std::isnan(place)) break;
+    const Real u = (place - a.from) / a.length();
+    const ClosestPair at = closest_to(a.point(u), u, c);
+    if (!is_on_b(at) || at.distance > (1 + margin) * R) continue;
+    nearest = std::min(nearest, at.distance);
+    touch_at(i, j, at, out);
+  }
+  const bool is_on_a = is_lowest(end.u, slope(end, a.slope(end.u)), i, a_.size());
+  if (is_on_a && is_on_b(end) && end.distance < nearest - dip * R) touch_at(i, j, end, out);
+}
+
+void CurveCurve::touch_at(std::size_t i, std::size_t j, const ClosestPair& at,
+                          std::vector<Touch>& out) const {
+  const CurveSegment &a = a_.now[i], &c = b().now[j];
+  const Real R = reach(a, c);
+  Touch& t = out.emplace_back();
+  t.first_place = a.abscissa(at.u);
+  t.second_place = c.abscissa(at.v);
+  t.normal = at.apart / at.distance;
+  t.along = a.slope(at.u);
+  t.first_arm = -at.apart * (a.radius / R);
+  t.second_arm = at.apart * (c.radius / R);
+  t.at = a.point(at.u) + t.first_arm;
+  t.gap = at.distance - R;
+  // Signs so that a strand that is bent round the other has a positive radius.
+  t.first_bend = bend(a, at.u, -t.normal, at.distance);
+  t.second_bend = bend(c, at.v, t.normal, at.distance);
+  t.first_tangent = t.along.normalized();
+  t.second_tangent = c.slope(at.v).normalized();
+}
+
+/// At a node, two segments may have found one and the same place. The nearer one stays.
+void CurveCurve::drop_doubles(std::vector<Touch>& touches, std::size_t from) {
+  const auto first = touches.begin() + static_cast<std::ptrdiff_t>(from);
+  std::sort(first, touches.end(), [](const Touch& p, const Touch& q) {
+    return p.first_place != q.first_place ? p.first_place < q.first_place
+                                          : p.second_place < q.second_place;
+  });
+  std::size_t kept = from;
+  for (std::size_t k = from; k < touches.size(); ++k) {
+    bool is_double = false;
+    const Touch& t = touches[k];
+    const Real near = doubles * (t.first_arm.norm() + t.second_arm.norm());
+    for (std::size_t m = kept; m-- > from && !is_double;) {
+      if (t.first_place - touches[m].first_place > near) break;
+      is_double = std::abs(t.second_place - touches[m].second_place) <= near;
+    }
+    if (!is_double) touches[kept++] = t;
+  }
+  touches.resize(kept);
+}
+
+Vec3 CurveCurve::slip(const Touch& t) const {
+  const auto moved = [](const SegmentedCurve& curve, Real s, const Vec3& arm) {
+    const Pose was = curve.frame(s, Configuration::start);
+    const Pose is = curve.frame(s, Configuration::current);
+    return Vec3(is.position + arm - at(was, is.rotation.conjugate() * arm));
+  };
+  return moved(first_, t.first_place, t.first_arm) - moved(second_, t.second_place, t.second_arm);
+}
+
+void CurveCurve::couple(const Touch& t, BlockId block, const Directions& axes,
+                        ConstraintBuilder& builder) const {
+  PointJacobian J;
+  first_.surface_jacobian(t.first_place, t.first_arm, J);
+  builder.couple(block, first_, axes, J, t.at);
+  second_.surface_jacobian(t.second_place, t.second_arm, J);
+  builder.couple(block, second_, -axes, J, t.at);
+}
+
+void CurveCurve::couple_alone(const Touch& t, bool first, BlockId block, const Vec3& direction,
+                              ConstraintBuilder& builder) const {
+  // Of the centreline: a strand that rolls turns no normal.
+  PointJacobian J;
+  const SegmentedCurve& curve = first ? first_ : second_;
+  curve.jacobian(first ? t.first_place : t.second_place, J);
+  builder.couple(block, curve, direction.transpose(), J, t.at);
+}
+
+Pair::Tolerance CurveCurve::tolerance(const Touch& t) const {
+  const auto length = [](const MovingCurve& curve, Real s) {
+    const auto it = std::lower_bound(curve.now.begin(), curve.now.end() - 1, s,
+                                     [](const CurveSegment& g, Real at) { return g.to < at; });
+    return it->length() + 2 * it->radius;
+  };
+  return {length(a_, t.first_place) / 4, length(b(), t.second_place) / 2};
+}
+
+Real CurveCurve::distance() const {
+  CurveCurve now(first_, second_);
+  first_.segments(Configuration::current, now.a_.now);
+  now.a_.start = now.a_.now;
+  now.tree_a_.fit(now.a_);
+  if (is_self_) now.add_up_turns();
+  second_.segments(Configuration::current, now.b_.now);
+  now.b_.start = now.b_.now;
+  now.tree_b_.fit(now.b_);
+  Real smallest = std::numeric_limits<Real>::infinity();
+  // Wider and wider, until something is in reach.
+  Real size = 0;
+  for (const CurveSegment& s : now.a_.now) size = std::max(size, s.radius);
+  for (Real near = size; near < 1e3 && !(smallest < near); near *= 4)
+    now.each_pair(1, 1, near, [&](std::size_t i, std::size_t j) {
+      const CurveSegment &a = now.a_.now[i], &c = now.b().now[j];
+      smallest = std::min(smallest, closest_on(a, c, reach(a, c)).distance - reach(a, c));
+    });
+  return smallest;
+}
+
+}  // namespace sutura::contact

@@ -1,0 +1,208 @@
+#include "curve_surface.h"
+
+#include <cmath>
+#include <limits>
+
+#include "pose_maths.h"
+
+namespace sutura::contact {
+namespace {
+
+// In units of the radius of the curve.
+constexpr Real margin = 1;       // a touch is built from this far, before there is one
+constexpr Real clearance = 0.5;  // a centreline may come as near to the surface on its way
+constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
+constexpr Real mouth = 3;        // around the mouth of a channel, the channel holds the curve
+constexpr Real point = 6;        // so long is a needle's point, which presses by a law of its own
+// In units of the length of a segment.
+constexpr Real at_node = 0.05;
+
+constexpr int parts = 2;          // chords of a segment
+constexpr Real other_side = 0.7;  // sides whose normals are closer than this (cosine) are one
+
+}  // namespace
+
+void CurveSurface::look(bool standing) {
+  seen_.look(curve_);
+  if (standing) seen_.start = seen_.now;
+  surface_.look(standing);
+  inside_.clear();
+  if (passage_ != nullptr) passage_->inside(inside_);
+  for (Passage::Stretch& s : inside_) {
+    s.low -= mouth * curve_.radius(s.low);
+    s.high += mouth * curve_.radius(s.high);
+  }
+  if (curve_.needle_length() > 0) inside_.push_back({0, point * curve_.radius(0)});
+}
+
+bool CurveSurface::is_inside(Real low, Real high) const {
+  for (const Passage::Stretch& s : inside_)
+    if (low < s.high && high > s.low) return true;
+  return false;
+}
+
+CurveSurface::Near CurveSurface::closest(const CurveSegment& s, Index t, const Corners& at) const {
+  Near best;
+  best.distance = std::numeric_limits<Real>::infinity();
+  for (int k = 0; k < parts; ++k) {
+    const Segment chord{s.point(Real(k) / parts), s.point(Real(k + 1) / parts)};
+    const SegmentTriangle pair = closest_points(chord, at);
+    const Real distance = std::sqrt(pair.squared_distance);
+    if (!(distance < best.distance)) continue;
+    const Vec3 foot = pair.weights[0] * at[0] + pair.weights[1] * at[1] + pair.weights[2] * at[2];
+    best = {t, (k + pair.s) / parts, pair.weights, chord.at(pair.s) - foot, distance};
+  }
+  return best;
+}
+
+CurveSurface::Near CurveSurface::closest_to(const CurveSegment& s, Real u, Index t,
+                                            const Corners& at) {
+  const Vec3 p = s.point(u);
+  const TrianglePoint foot = closest_point(p, at);
+  const Vec3 apart = p - foot.on(at);
+  return {t, u, foot.weights, apart, apart.norm()};
+}
+
+void CurveSurface::find(const TouchedPlaces& before, std::vector<Touch>& out) {
+  look(false);
+  free_way_ = 1;
+  for (std::size_t i = 0; i < seen_.size(); ++i) meet(i, before, out);
+}
+
+void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
+  const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
+  const Real r = s.radius;
+  if (is_inside(s.from, s.to)) return;
+  Box box;
+  for (const CurveSegment& c : {s, s0}) {
+    Vec3 hull[4];
+    MovingCurve::hull(c, hull);
+    for (const Vec3& p : hull) box.add(p);
+  }
+  around_.clear();
+  surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
+  if (around_.empty()) return;
+  std::sort(around_.begin(), around_.end());  // the order of a tree is no order of its own
+
+  // Does the way lead through?
+  const Vec3 common = s.xa - s0.xa;
+  const Real own_motion = seen_.motion(i, common);
+  for (const Index t : around_) {
+    const Real motion = own_motion + surface_.motion(t, common);
+    free_way_ = std::min(free_way_, way_through(motion, clearance * r, [&](Real now) {
+                           return closest(seen_.at(i, now), t, surface_.at(t, now)).distance;
+                         }));
+  }
+  if (free_way_ < 1) return;
+
+  // At the nodes, once for both segments that share one.
+  Real nearest = std::numeric_limits<Real>::infinity();
+  for (const Real u : {0., 1.}) {
+    sides_of(i, u, sides_);
+    for (const Near& side : sides_) {
+      nearest = std::min(nearest, side.distance);
+      if (u < 1 || i + 1 == seen_.size() || is_inside(seen_.now[i + 1].from, seen_.now[i + 1].to))
+        touch(i, side, out);
+    }
+  }
+  // Where it was touched before, and where the surface stands out between.
+  for (Real place = s.abscissa(at_node);;) {
+    place = before.between(place, s.abscissa(1 - at_node));
+    if (std::isnan(place)) break;
+    sides_of(i, (place - s.from) / s.length(), sides_);
+    for (const Near& side : sides_) {
+      nearest = std::min(nearest, side.distance);
+      touch(i, side, out);
+    }
+  }
+  Near lowest;
+  lowest.distance = std::min((1 + margin) * r, nearest - dip * r);
+  for (const Index t : around_) {
+    const Near at = closest(s, t, surface_.now(t));
+    if (at.distance < lowest.distance && at.u > at_node && at.u < 1 - at_node) lowest = at;
+  }
+  if (lowest.triangle >= 0) touch(i, lowest, out);
+}
+
+void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) const {
+  out.clear();
+  const CurveSegment& s = seen_.now[i];
+  const Real reach = (1 + margin) * s.radius;
+  while (true) {
+    Near best;
+    best.distance = reach;
+    for (const Index t : around_) {
+      const Near at = closest_to(s, u, t, surface_.now(t));
+      if (!(at.distance < best.distance) || !(at.distance > 0)) continue;
+      bool is_new = true;
+      for (const Near& side : out)
+        is_new = is_new && at.apart.dot(side.apart) < other_side * at.distance * side.distance;
+      if (is_new) best = at;
+    }
+    if (best.triangle < 0 || out.size() == 3) return;
+    out.push_back(best);
+  }
+}
+
+void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out) const {
+  const CurveSegment& s = seen_.now[i];
+  Touch& t = out.emplace_back();
+  t.first_place = s.abscissa(at.u);
+  t.triangle = at.triangle;
+  t.weights = at.weights;
+  t.normal = at.apart / at.distance;
+  t.second_place = t.normal.dot(Vec3(1, 2, 4));  // tells the sides of one node apart
+  t.along = s.slope(at.u);
+  const Corners corners = surface_.now(at.triangle);
+  t.at = at.weights[0] * corners[0] + at.weights[1] * corners[1] + at.weights[2] * corners[2];
+  t.first_arm = t.at - s.point(at.u);
+  t.gap = at.distance - s.radius;
+}
+
+Vec3 CurveSurface::slip(const Touch& t) const {
+  const Pose was = curve_.frame(t.first_place, Configuration::start);
+  const Pose is = curve_.frame(t.first_place, Configuration::current);
+  const Vec3 arm = is.rotation.conjugate() * t.first_arm;
+  return is.position + t.first_arm - at(was, arm) - surface_.moved(t.triangle, t.weights);
+}
+
+void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
+                          ConstraintBuilder& builder) const {
+  PointJacobian J;
+  curve_.surface_jacobian(t.first_place, t.first_arm, J);
+  builder.couple(block, curve_, axes, J, t.at);
+  surface_.jacobian(t.triangle, t.weights, J);
+  builder.couple(block, surface_.solid(), -axes, J, t.at);
+}
+
+Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
+  const auto it = std::lower_bound(seen_.now.begin(), seen_.now.end() - 1, t.first_place,
+                                   [](const CurveSegment& g, Real at) { return g.to < at; });
+  return {it->length() / 4, 1};
+}
+
+Real CurveSurface::distance() const {
+  CurveSurface now(curve_, surface_.solid(), passage_);
+  now.look(true);
+  Real smallest = std::numeric_limits<Real>::infinity();
+  for (const CurveSegment& s : now.seen_.now) {
+    if (now.is_inside(s.from, s.to)) continue;
+    Box box;
+    Vec3 hull[4];
+    MovingCurve::hull(s, hull);
+    for (const Vec3& p : hull) box.add(p);
+    // Wider and wider, until something is in reach.
+    for (Real near = 2 * s.radius; near < 1e3; near *= 4) {
+      Real here = std::numeric_limits<Real>::infinity();
+      if (near - s.radius > smallest) break;
+      now.surface_.near(box.grown(near), [&](Index t) {
+        here = std::min(here, closest(s, t, now.surface_.now(t)).distance - s.radius);
+      });
+      smallest = std::min(smallest, here);
+      if (here < near - s.radius) break;
+    }
+  }
+  return smallest;
+}
+
+}  // namespace sutura::contact

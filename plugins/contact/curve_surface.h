@@ -1,0 +1,50 @@
+// Touches of a curve and the surface of a solid, outside of the channels that the curve has made.
+#pragma once
+
+#include "moving_curve.h"
+#include "moving_surface.h"
+#include "sutura/passage.h"
+#include "touch.h"
+
+namespace sutura::contact {
+
+class CurveSurface : public Pair {
+ public:
+  /// `passage`: or null.
+  CurveSurface(const SegmentedCurve& curve, const MeshedSolid& solid, const Passage* passage)
+      : curve_(curve), surface_(solid), passage_(passage) {}
+  void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  Vec3 slip(const Touch& touch) const override;
+  void couple(const Touch& touch, BlockId block, const Directions& axes,
+              ConstraintBuilder& builder) const override;
+  Real distance() const override;
+  Tolerance tolerance(const Touch& touch) const override;
+
+ private:
+  /// A point of the curve and the point of a triangle closest to it.
+  struct Near {
+    Index triangle = -1;
+    Real u = 0;
+    Vec3 weights = Vec3::Zero();
+    Vec3 apart = Vec3::Zero();  ///< from the triangle to the curve (m)
+    Real distance = 0;          ///< m
+  };
+  void look(bool standing);
+  bool is_inside(Real low, Real high) const;
+  void meet(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
+  Near closest(const CurveSegment& s, Index triangle, const Corners& at) const;
+  static Near closest_to(const CurveSegment& s, Real u, Index triangle, const Corners& at);
+  /// The closest points of the surface around a point, one for each side that it faces.
+  void sides_of(std::size_t segment, Real u, std::vector<Near>& out) const;
+  void touch(std::size_t segment, const Near& near, std::vector<Touch>& out) const;
+
+  const SegmentedCurve& curve_;
+  MovingSurface surface_;
+  const Passage* passage_;
+  MovingCurve seen_;
+  std::vector<Passage::Stretch> inside_;
+  std::vector<Index> around_;  ///< triangles that a segment may meet
+  std::vector<Near> sides_;
+};
+
+}  // namespace sutura::contact

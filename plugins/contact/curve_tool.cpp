@@ -1,0 +1,190 @@
+#include "curve_tool.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pose_maths.h"
+
+namespace sutura::contact {
+namespace {
+
+// In units of the radius of the curve.
+constexpr Real margin = 1;       // a touch is built from this far, before there is one
+constexpr Real clearance = 0.5;  // a centreline may come as near to a surface on its way
+constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
+// In units of the length of a segment.
+constexpr Real at_node = 0.05;  // this close to a node, the node says the same
+
+constexpr int parts = 8;  // in which a segment is looked at
+
+CurveSegment seen_from(const Pose& frame, const CurveSegment& s) {
+  const Quat back = frame.rotation.conjugate();
+  CurveSegment out = s;
+  out.xa = back * (s.xa - frame.position), out.xb = back * (s.xb - frame.position);
+  out.ma = back * s.ma, out.mb = back * s.mb;
+  return out;
+}
+
+/// A convex shape lies behind the plane of its surface that faces `p`: does the way from p to q
+/// stay before that plane by `clearance`?
+bool stays_off(const ShapeDistance& at_p, const Vec3& p, const Vec3& q, Real clearance) {
+  return at_p.distance + std::min(Real(0), at_p.normal.dot(q - p)) >= clearance;
+}
+
+}  // namespace
+
+void CurveTool::look() {
+  seen_.look(curve_);
+  const Pose start = tool_.placed(Configuration::start), now = tool_.placed(Configuration::current);
+  for (CurveSegment& s : seen_.start) s = seen_from(start, s);
+  for (CurveSegment& s : seen_.now) s = seen_from(now, s);
+}
+
+void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
+  look();
+  free_way_ = 1;
+  for (std::size_t node = 0; node <= seen_.size(); ++node) find_at_node(node, out);
+  for (std::size_t i = 0; i < seen_.size(); ++i) find_inside(i, before, out);
+}
+
+/// Nodes are touched where they are: a curve that lies on a surface lies on it along its length.
+void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
+  const std::size_t i = std::min(node, seen_.size() - 1);
+  const Real u = node == i ? 0 : 1;
+  Real radius = seen_.now[i].radius;
+  if (node > 0) radius = std::max(radius, seen_.now[node - 1].radius);
+  const Vec3 from = u > 0 ? seen_.start[i].xb : seen_.start[i].xa;
+  const Vec3 to = u > 0 ? seen_.now[i].xb : seen_.now[i].xa;
+  const Real motion = (to - from).norm();
+  const ShapeDistance begin = tool_.shape().at(from);
+  if (begin.distance - motion > (1 + margin) * radius) return;
+  const bool is_free = stays_off(begin, from, to, clearance * radius) ||
+                       stays_off(tool_.shape().at(to), to, from, clearance * radius);
+  const Real way = is_free ? 1 : way_through(motion, clearance * radius, [&](Real time) {
+    return tool_.shape().at(from + time * (to - from)).distance;
+  });
+  free_way_ = std::min(free_way_, way);
+  if (tool_.shape().at(to).distance < (1 + margin) * radius) touch(i, u, out);
+}
+
+bool CurveTool::is_far(std::size_t i) const {
+  const CurveSegment& s = seen_.start[i];
+  const Real middle = tool_.shape().at((s.xa + s.xb) / 2).distance;
+  return middle - MovingCurve::extent(s) - seen_.motion(i) > (1 + margin) * s.radius;
+}
+
+/// Between nodes, where the curve dips towards the tool: over an edge, round a bend.
+void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
+  if (is_far(i)) return;
+  const Real radius = seen_.now[i].radius;
+  std::array<Real, parts + 1> d;
+  const auto look_at = [&](const CurveSegment& s) {
+    int lowest = 0;
+    for (int k = 0; k <= parts; ++k) {
+      d[k] = from_tool(s, Real(k) / parts).distance;
+      if (d[k] < d[lowest]) lowest = k;
+    }
+    return lowest;
+  };
+  int lowest = look_at(seen_.start[i]);
+  const auto is_free = [&](const CurveSegment& seen) {
+    const Vec3 p = seen.point(Real(lowest) / parts);
+    const ShapeDistance here = tool_.shape().at(p);
+    const Real height = lowest_on_the_way(seen_.start[i], seen_.now[i], here.normal);
+    return height - here.normal.dot(p) + here.distance >= clearance * radius;
+  };
+  bool free = is_free(seen_.start[i]);
+  lowest = look_at(seen_.now[i]);
+  free = free || is_free(seen_.now[i]);
+  const Real way = free ? 1 : way_through(seen_.motion(i), clearance * radius, [&](Real time) {
+    lowest = look_at(seen_.at(i, time));
+    return d[lowest];
+  });
+  free_way_ = std::min(free_way_, way);
+  if (way < 1) return;
+  const CurveSegment& s = seen_.now[i];
+  const auto is_near = [&](Real distance) { return distance < (1 + margin) * radius; };
+  // What was touched before is touched again.
+  Real nearest = std::min(d.front(), d.back());
+  for (Real place = s.abscissa(at_node);;) {
+    place = before.between(place, s.abscissa(1 - at_node));
+    if (std::isnan(place)) break;
+    const Real u = (place - s.from) / s.length(), here = from_tool(s, u).distance;
+    nearest = std::min(nearest, here);
+    if (is_near(here)) touch(i, u, out);
+  }
+  for (int k = 1; k < parts; ++k) {
+    if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
+    const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
+    const Real here = from_tool(s, u).distance;
+    if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
+    if (here < nearest - dip * radius) touch(i, u, out);
+  }
+}
+
+/// Where between two points of a segment, with a dip in between, its slope against the tool is 0.
+Real CurveTool::lowest_between(const CurveSegment& s, Real low, Real high) const {
+  for (int n = 0; n < 40; ++n) {
+    const Real u = (low + high) / 2;
+    (from_tool(s, u).normal.dot(s.slope(u)) < 0 ? low : high) = u;
+  }
+  return (low + high) / 2;
+}
+
+void CurveTool::touch(std::size_t i, Real u, std::vector<Touch>& out) const {
+  const CurveSegment& s = seen_.now[i];
+  const ShapeDistance d = from_tool(s, u);
+  const Pose frame = tool_.placed(Configuration::current);
+  Touch& t = out.emplace_back();
+  t.first_place = s.abscissa(u);
+  t.normal = frame.rotation * d.normal;
+  t.along = frame.rotation * s.slope(u);
+  t.second_local = s.point(u) - d.distance * d.normal;
+  t.at = at(frame, t.second_local);
+  t.first_arm = -d.distance * t.normal;
+  t.gap = d.distance - s.radius;
+}
+
+Vec3 CurveTool::slip(const Touch& t) const {
+  const Real s = t.first_place;
+  const Pose was = curve_.frame(s, Configuration::start);
+  const Pose is = curve_.frame(s, Configuration::current);
+  const Vec3 arm = is.rotation.conjugate() * t.first_arm;
+  const Vec3 curve = is.position + t.first_arm - at(was, arm);
+  const Vec3 tool = at(tool_.placed(Configuration::current), t.second_local) -
+                    at(tool_.placed(Configuration::start), t.second_local);
+  return curve - tool;
+}
+
+void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,
+                       ConstraintBuilder& builder) const {
+  PointJacobian J;
+  curve_.surface_jacobian(t.first_place, t.first_arm, J);
+  builder.couple(block, curve_, axes, J, t.at);
+}
+
+void CurveTool::tell_force(const Touch& t, const Vec3& force) {
+  tool_.add_force(-force, t.at);
+}
+
+Pair::Tolerance CurveTool::tolerance(const Touch& t) const {
+  std::size_t i = 0;
+  while (i + 1 < seen_.size() && seen_.now[i].to < t.first_place) ++i;
+  return {seen_.now[i].length() / 4, std::numeric_limits<Real>::infinity()};
+}
+
+Real CurveTool::distance() const {
+  std::vector<CurveSegment> segments;
+  curve_.segments(Configuration::current, segments);
+  const Pose frame = tool_.placed(Configuration::current);
+  Real smallest = std::numeric_limits<Real>::infinity();
+  for (const CurveSegment& world : segments) {
+    const CurveSegment s = seen_from(frame, world);
+    for (int k = 0; k <= parts; ++k)
+      smallest = std::min(smallest, from_tool(s, Real(k) / parts).distance - s.radius);
+  }
+  return smallest;
+}
+
+}  // namespace sutura::contact

@@ -1,0 +1,85 @@
+// A curve on its way through a step: every point goes straight from where it was to where the guess
+// has it.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "sutura/geometry/curve_segments.h"
+
+namespace sutura::contact {
+
+inline CurveSegment on_the_way(const CurveSegment& a, const CurveSegment& b, Real time) {
+  CurveSegment s = b;
+  const auto mix = [time](const Vec3& x, const Vec3& y) { return Vec3(x + time * (y - x)); };
+  s.xa = mix(a.xa, b.xa), s.ma = mix(a.ma, b.ma);
+  s.xb = mix(a.xb, b.xb), s.mb = mix(a.mb, b.mb);
+  return s;
+}
+
+struct MovingCurve {
+  std::vector<CurveSegment> start, now;
+
+  void look(const SegmentedCurve& curve) {
+    curve.segments(Configuration::start, start);
+    curve.segments(Configuration::current, now);
+  }
+  std::size_t size() const { return now.size(); }
+  CurveSegment at(std::size_t i, Real time) const { return on_the_way(start[i], now[i], time); }
+  /// Points whose convex hull contains a segment.
+  static void hull(const CurveSegment& s, Vec3 (&points)[4]) {
+    points[0] = s.xa, points[1] = s.xa + s.ma / 3, points[2] = s.xb - s.mb / 3, points[3] = s.xb;
+  }
+  /// No point of segment i moves further, less a `common` motion (m).
+  Real motion(std::size_t i, const Vec3& common = Vec3::Zero()) const {
+    Vec3 from[4], to[4];
+    hull(start[i], from), hull(now[i], to);
+    Real most = 0;
+    for (int k = 0; k < 4; ++k) most = std::max(most, (to[k] - from[k] - common).squaredNorm());
+    return std::sqrt(most);
+  }
+  /// No point of segment i is further from the middle of its chord (m).
+  static Real extent(const CurveSegment& s) {
+    Vec3 points[4];
+    hull(s, points);
+    const Vec3 middle = (s.xa + s.xb) / 2;
+    Real most = 0;
+    for (const Vec3& p : points) most = std::max(most, (p - middle).squaredNorm());
+    return std::sqrt(most);
+  }
+};
+
+/// The lowest height over a plane that any point of the segment has on its way.
+inline Real lowest_on_the_way(const CurveSegment& start, const CurveSegment& now,
+                              const Vec3& normal) {
+  Vec3 from[4], to[4];
+  MovingCurve::hull(start, from), MovingCurve::hull(now, to);
+  Real lowest = normal.dot(from[0]);
+  for (int k = 0; k < 4; ++k) lowest = std::min({lowest, normal.dot(from[k]), normal.dot(to[k])});
+  return lowest;
+}
+
+/// How much of the way from time 0 to 1 is free: `distance(time)` stays above `clearance` on it. No
+/// point moves more than `motion` against the other side on the whole way, and between two looks
+/// the distance cannot fall below half the clearance: a step is never longer than that takes.
+template <class Distance>
+Real way_through(Real motion, Real clearance, const Distance& distance) {
+  Real free = 0;
+  for (Real time = 0;;) {
+    const Real d = distance(time);
+    if (d < clearance) {
+      // As near as it may come: there is a touch.
+      for (int k = 0; k < 10; ++k) {
+        const Real middle = (free + time) / 2;
+        (distance(middle) < clearance ? time : free) = middle;
+      }
+      return free;
+    }
+    if (time >= 1) return 1;
+    free = time;
+    const Real room = d - clearance / 2;
+    time = motion * (1 - time) <= room ? Real(1) : time + room / motion;
+  }
+}
+
+}  // namespace sutura::contact

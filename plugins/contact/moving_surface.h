@@ -1,0 +1,56 @@
+// The boundary of a solid on its way through a step, with boxes around the way of each triangle.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sutura/geometry/box_tree.h"
+#include "sutura/geometry/distances.h"
+#include "sutura/geometry/triangle_surface.h"
+
+namespace sutura::contact {
+
+class MovingSurface {
+ public:
+  explicit MovingSurface(const MeshedSolid& solid) : solid_(solid) {}
+  /// `standing`: as it is now, without its way.
+  void look(bool standing = false);
+
+  const MeshedSolid& solid() const { return solid_; }
+  Index triangles() const { return now_.size(); }
+  const std::array<Index, 3>& nodes(Index triangle) const {
+    return now_.triangles[static_cast<std::size_t>(triangle)];
+  }
+  Corners now(Index triangle) const { return now_.corners(triangle); }
+  Vec3 point(Index node) const { return now_.point(node); }
+  Vec3 moved(Index node) const { return now_.point(node) - start_.point(node); }
+  Corners at(Index triangle, Real time) const;
+  /// No corner moves further, less a `common` motion (m).
+  Real motion(Index triangle, const Vec3& common) const;
+  Vec3 normal(Index triangle) const { return now_.area_normal(triangle).normalized(); }
+  /// Displacement over the step of a point of a triangle.
+  Vec3 moved(Index triangle, const Vec3& weights) const;
+  void jacobian(Index triangle, const Vec3& weights, PointJacobian& out) const {
+    solid_.jacobian(solid_.on_surface(triangle, weights), out);
+  }
+  /// Calls `item(triangle)` for those whose way may meet the box.
+  template <class Item>
+  void near(const Box& box, const Item& item) const {
+    if (tree_)
+      tree_->visit(
+          boxes_, [&](const Box& b) { return b.meets(box); },
+          [&](Index t) {
+            if (of(t).meets(box)) item(t);
+          });
+  }
+
+ private:
+  Box of(Index triangle) const;
+
+  const MeshedSolid& solid_;
+  TriangleSurface start_, now_;
+  std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
+  BoxTree::Boxes boxes_;
+};
+
+}  // namespace sutura::contact

@@ -1,0 +1,75 @@
+// Where two partners touch, or may before the step ends.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sutura/constraints.h"
+
+namespace sutura::contact {
+
+struct Touch {
+  /// By which it is found again in the next pass and step: abscissae of the curves it is on, or
+  /// numbers of nodes.
+  Real first_place = 0, second_place = 0;
+  Vec3 second_local = Vec3::Zero();  ///< of a tool: seen from its shape
+  Index triangle = -1;               ///< of a surface
+  bool nodes_are_second = false;     ///< of two surfaces: the triangle is one of the first
+  Vec3 weights = Vec3::Zero();       ///< in the triangle, barycentric
+  Vec3 normal = Vec3::UnitZ();       ///< unit, from the second to the first
+  Vec3 along = Vec3::UnitX();        ///< roughly a direction on the surface, turning with the first
+  Vec3 at = Vec3::Zero();            ///< where forces act, on both (m)
+  Vec3 first_arm = Vec3::Zero();     ///< from the centre of the section to there (m)
+  Vec3 second_arm = Vec3::Zero();    ///< likewise
+  Real gap = 0;                      ///< between the surfaces; negative where they overlap (m)
+  /// A strand that is bent round the other turns the normal as the other moves along it: by so much
+  /// per length (1/m), and along which direction. Where it counts for nothing, 0.
+  Real first_bend = 0, second_bend = 0;
+  Vec3 first_tangent = Vec3::Zero(), second_tangent = Vec3::Zero();
+  bool carries = false;           ///< force, at the end of the step
+  std::uint64_t id = 0;           ///< of the contact, never used again
+  Vec2 left_over = Vec2::Zero();  ///< what sticking has missed in the steps before (m)
+};
+
+/// Places on the first partner where there have been touches in this step or at the end of the one
+/// before, ascending.
+class TouchedPlaces {
+ public:
+  virtual ~TouchedPlaces() = default;
+  /// The first of them after `low` and before `high`, or not a number.
+  virtual Real between(Real low, Real high) const = 0;
+};
+
+/// Finds the touches of one pair of partners, and knows their rows.
+class Pair {
+ public:
+  virtual ~Pair() = default;
+  /// At the present guess. Where the straight way from the start of the step to it is barred,
+  /// `free_way` tells, and the touches are of no use.
+  /// What was touched before is a touch again while it is near: touches do not come and go with
+  /// the passes of a step.
+  virtual void find(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
+  /// Of the last `find`: how much of that way is free.
+  Real free_way() const { return free_way_; }
+  /// How far the first has moved over the step relative to the second, at the touch (m).
+  virtual Vec3 slip(const Touch& touch) const = 0;
+  virtual void couple(const Touch& touch, BlockId block, const Directions& axes,
+                      ConstraintBuilder& builder) const = 0;
+  /// Rows of the motion of one of the two alone, along `direction`.
+  virtual void couple_alone(const Touch& /*touch*/, bool /*first*/, BlockId /*block*/,
+                            const Vec3& /*direction*/, ConstraintBuilder& /*builder*/) const {}
+  /// After the step: the force on the first.
+  virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}
+  /// The smallest distance between the surfaces, now (m).
+  virtual Real distance() const = 0;
+  /// Two touches are one if their places differ by no more.
+  struct Tolerance {
+    Real first = 0, second = 0;
+  };
+  virtual Tolerance tolerance(const Touch& touch) const = 0;
+
+ protected:
+  Real free_way_ = 1;
+};
+
+}  // namespace sutura::contact

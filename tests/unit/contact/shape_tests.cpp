@@ -1,0 +1,72 @@
+// Signed distances of the rigid shapes against their definition.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "shape.h"
+
+namespace sutura::contact {
+namespace {
+
+const std::vector<Shape>& shapes() {
+  static const std::vector<Shape> all{
+      {.kind = Shape::Kind::plane},
+      {.kind = Shape::Kind::sphere, .radius = 2},
+      {.kind = Shape::Kind::capsule, .radius = 0.7, .half_length = 1.5},
+      {.kind = Shape::Kind::cylinder, .radius = 1.2, .half_length = 0.8},
+      {.kind = Shape::Kind::box, .half_size = Vec3(1, 0.5, 2)}};
+  return all;
+}
+
+// What makes a signed distance: its gradient is the normal, and walking back by it leads to the
+// surface, whichever side one comes from.
+TEST(Shape, TheNormalIsTheGradientAndLeadsToTheSurface) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<Real> anywhere(-3, 3);
+  for (const Shape& shape : shapes()) {
+    int near_edges = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p(anywhere(random), anywhere(random), anywhere(random));
+      const ShapeDistance d = shape.at(p);
+      EXPECT_NEAR(d.normal.norm(), 1, 1e-12);
+      EXPECT_NEAR(shape.at(p - d.distance * d.normal).distance, 0, 1e-12);
+      constexpr Real h = 1e-6;
+      Vec3 gradient;
+      for (int k = 0; k < 3; ++k)
+        gradient[k] =
+            (shape.at(p + h * Vec3::Unit(k)).distance - shape.at(p - h * Vec3::Unit(k)).distance) /
+            (2 * h);
+      // Inside there are places as near to one face as to another, where it has a crease.
+      if (d.distance < 0 && (gradient - d.normal).norm() > 1e-6)
+        ++near_edges;
+      else
+        EXPECT_LT((gradient - d.normal).norm(), 1e-5);
+    }
+    EXPECT_LT(near_edges, 5);
+  }
+}
+
+TEST(Shape, KnownDistances) {
+  EXPECT_NEAR(shapes()[0].at(Vec3(5, 5, -0.3)).distance, -0.3, 1e-15);
+  EXPECT_NEAR(shapes()[1].at(Vec3(0, 3, 4)).distance, 3, 1e-15);
+  EXPECT_NEAR(shapes()[2].at(Vec3(0, 0, 3)).distance, 0.8, 1e-15);
+  EXPECT_NEAR(shapes()[3].at(Vec3(1.5, 0, 1.2)).distance, 0.5, 1e-15);  // a 3-4-5 triangle
+  EXPECT_NEAR(shapes()[4].at(Vec3(2, 1.5, 0)).distance, std::sqrt(2), 1e-15);
+  EXPECT_NEAR(shapes()[4].at(Vec3(0.2, 0.4, 0)).distance, -0.1, 1e-15);
+}
+
+// The way of a curve may be judged by one plane only because every shape is convex.
+TEST(Shape, IsConvex) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<Real> anywhere(-3, 3);
+  for (const Shape& shape : shapes())
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p(anywhere(random), anywhere(random), anywhere(random));
+      const Vec3 q(anywhere(random), anywhere(random), anywhere(random));
+      EXPECT_LE(shape.at((p + q) / 2).distance,
+                (shape.at(p).distance + shape.at(q).distance) / 2 + 1e-12);
+    }
+}
+
+}  // namespace
+}  // namespace sutura::contact

@@ -1,0 +1,131 @@
+// A thread round a bar: reference a11a.
+//
+// The reference is a string without thickness. A thread has its tension at R + r from the axis of
+// the bar and rubs at R; the friction also turns its sections, which takes a shear force. Balance
+// of force and moment along the thread then give T ~ exp(a phi) with
+//   a (1 + q mu a) = mu (1 - q),     q = r / (R + r)          (docs/theory/contact.md).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
+
+#include "csv.h"
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+struct Capstan {
+  Real mu = 0.3, wrap = 2 * std::numbers::pi;
+  Real bar = 3e-3, radius = 0.0875e-3;
+  Real turn = 0.17;     ///< of a beam (rad)
+  Real tension = 0.02;  ///< at the slack end (N)
+  Real speed = 4e-3;    ///< of the hand (m/s)
+  Real pull = 0;        ///< a weight instead of the hand (N)
+};
+
+/// A thread with straight ends of 10 mm, wound round the bar as a helix whose turns do not meet.
+TextRun wound(const Capstan& c) {
+  const Real tail = 10e-3, around = c.bar + c.radius;
+  const Real rise = c.wrap > 4.7 ? 6 * c.radius / (2 * std::numbers::pi) : 0;
+  const Real square = around * around + rise * rise;
+  const Real curvature = around / square, torsion = rise / square, length = c.wrap / curvature;
+  const std::string name = SUTURA_BINARY_DIR "/capstan.csv";
+  std::ofstream(name) << std::setprecision(17) << "s [m],curvature [1/m],torsion [1/m]\n0,0,0\n"
+                      << tail << ',' << curvature << ',' << torsion << '\n'
+                      << tail + length << ",0,0\n";
+  // The thread comes along x and bends towards -y.
+  const Vec3 axis = Vec3(torsion, 0, -curvature).normalized();
+  const Real angle = std::hypot(curvature, torsion) * length;
+  const Vec3 end = Eigen::AngleAxis<Real>(angle, axis) * Vec3::UnitX();
+  std::ostringstream s;
+  s << std::setprecision(17);
+  const auto vector = [&](const Vec3& v) {
+    std::ostringstream text;
+    text << std::setprecision(17) << v.x() << ' ' << v.y() << ' ' << v.z();
+    return text.str();
+  };
+  const Real total = 2 * tail + length;
+  s << "<plugin name='contact'/><SutureThread name='suture' needle_length='0' "
+       "thread='4-0 polypropylene' bending_factor='0.01' damping_stiffness='0.1 ms' "
+       "tip_direction='-1 0 0' thread_start_file='"
+    << name << "' thread_diameter='" << 2 * c.radius << "' thread_length='" << total
+    << "' thread_beams='" << std::lround(total * curvature / c.turn) << "'/>"
+    << "<Tool name='bar' shape='cylinder' length='60 mm' radius='" << c.bar << "' centre='"
+    << vector(Vec3(tail, -around, 0)) << "' axis='" << vector(axis) << "'/>"
+    << "<Contact tool='bar' friction='" << c.mu << "'/><ThreadLoad at='" << total << "' force='"
+    << vector(c.tension * end) << "' times='0 0.05 s' factors='0 1'/>"
+    << "<Track name='hand' times='0 0.1 10.1 s' positions='0 0 0 0 0 0 " << -10 * c.speed
+    << " 0 0'/>";
+  if (c.pull > 0)
+    s << "<ThreadLoad name='heavy' at='0' force='" << -c.pull
+      << " 0 0' times='0 0.05 s' factors='0 1'/>";
+  else
+    s << "<Grasper at='0' track='hand' rotation_stiffness='0'/>";
+  return TextRun(s.str(), "dt='10 ms' gravity='0 0 0' tolerance='1e-3'");
+}
+
+/// Ratio of the two tensions, once the thread slides all round.
+Real ratio(const Capstan& c, Real seconds = 0.6) {
+  TextRun run = wound(c);
+  EXPECT_TRUE(run) << run.said();
+  if (!run) return 0;
+  while (run.simulation().time() < seconds) {
+    const StepReport& report = run.simulation().step();
+    EXPECT_TRUE(report.solved) << report.time;
+    EXPECT_TRUE(report.faults.empty());
+  }
+  EXPECT_GT(run.number("/contact", "distance"), -0.06 * c.radius);
+  return run.vector("/grasper", "force").norm() / c.tension;
+}
+
+Real thick(const Capstan& c) {
+  const Real q = c.radius / (c.bar + c.radius);
+  const Real a = (std::sqrt(1 + 4 * q * c.mu * c.mu * (1 - q)) - 1) / (2 * q * c.mu);
+  return std::exp(a * c.wrap);
+}
+
+TEST(Capstan, HoldsWithTheExponentialOfTheAngle) {
+  const Table reference = read_csv(SUTURA_SOURCE_DIR "/tests/reference/a11a_capstan.csv");
+  for (std::size_t i = 0; i < reference.rows.size(); ++i) {
+    Capstan c{.mu = reference.number(i, "mu"),
+              .wrap = reference.number(i, "wrap deg") * std::numbers::pi / 180};
+    // Beyond, the pulled end needs more than the thread bears.
+    if (reference.number(i, "exp(mu phi)") > 50) continue;
+    EXPECT_NEAR(reference.number(i, "exp(mu phi)"), std::exp(c.mu * c.wrap), 1e-6);
+    EXPECT_NEAR(ratio(c) / thick(c), 1, 0.01) << c.mu << ' ' << c.wrap;
+  }
+}
+
+// The same bar and a thread as fine as a hair: the string of the reference itself.
+TEST(Capstan, AFineThreadIsTheStringOfTheReference) {
+  const Capstan c{.mu = 0.2, .bar = 6e-3, .radius = 30e-6, .tension = 2e-3};
+  EXPECT_NEAR(ratio(c) / std::exp(c.mu * c.wrap), 1, 0.02);
+}
+
+// Two weights: below the threshold nothing moves, above it the thread runs to the heavier one.
+TEST(Capstan, SticksBelowTheThresholdAndSlidesAbove) {
+  Capstan c{.mu = 0.3, .wrap = std::numbers::pi};
+  for (const Real share : {0.98, 1.02}) {
+    c.pull = share * thick(c) * c.tension;
+    TextRun run = wound(c);
+    ASSERT_TRUE(run) << run.said();
+    if (share < 1) {
+      run.run(0.1);
+      const Vec3 at = run.vector("/suture", "tip_position");
+      run.run(0.2);
+      EXPECT_LT((run.vector("/suture", "tip_position") - at).norm(), 1e-9);
+    } else {
+      // The tip begins at the origin; a thread so light has run off the bar soon after.
+      run.run(0.07);
+      EXPECT_GT(run.vector("/suture", "tip_position").norm(), 1e-3);
+      EXPECT_LT(run.vector("/suture", "tip_position").x(), 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sutura::testing

@@ -1,0 +1,73 @@
+// A thread on an inclined plane: reference c01.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "csv.h"
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+/// A thread of 20 mm that lies down the slope, its lower end at the origin; x leads down.
+std::string thread_on_plane(Real degrees, Real mu) {
+  const Real angle = degrees * std::numbers::pi / 180;
+  const Real down = std::cos(angle), drop = std::sin(angle), r = 0.1e-3;
+  const auto vector = [](Real x, Real z) { return std::to_string(x) + " 0 " + std::to_string(z); };
+  return "<plugin name='contact'/>"
+         "<SutureThread name='suture' needle_length='0' thread='4-0 polypropylene' "
+         "thread_diameter='0.2 mm' thread_length='20 mm' thread_beams='10' tip='" +
+         vector(r * drop, r * down) + "' tip_direction='" + vector(down, -drop) +
+         "'/><Tool name='plane' shape='plane' axis='" + vector(drop, down) +
+         "'/><Contact tool='plane' friction='" + std::to_string(mu) + "'/>";
+}
+
+TEST(Incline, SticksOrSlidesAsTheReferenceSays) {
+  const Table reference = read_csv(SUTURA_SOURCE_DIR "/tests/reference/c01_incline.csv");
+  int stuck = 0, slid = 0;
+  for (std::size_t i = 0; i < reference.rows.size(); ++i) {
+    const Real degrees = reference.number(i, "angle deg"), mu = reference.number(i, "mu");
+    // At 45 degrees and mu = 1 both are right.
+    if (std::abs(std::tan(degrees * std::numbers::pi / 180) - mu) < 1e-9) continue;
+    TextRun run(thread_on_plane(degrees, mu), "dt='10 ms'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.1);  // to rest, or to speed: vectors of the scene are written with six digits
+    const Real before = run.vector("/suture", "tip_velocity").norm();
+    const Vec3 at = run.vector("/suture", "tip_position");
+    run.run(1.1);
+    const Real gained = run.vector("/suture", "tip_velocity").norm() - before;
+    const Real moved = (run.vector("/suture", "tip_position") - at).norm();
+    if (reference.number(i, "sticks") > 0) {
+      EXPECT_LT(moved, 1e-12) << degrees << ' ' << mu;
+      ++stuck;
+    } else {
+      const Real expected = reference.number(i, "acceleration m/s2");
+      EXPECT_NEAR(gained, expected, 1e-4 * 9.81) << degrees << ' ' << mu;
+      ++slid;
+    }
+    // Whatever the slope, the plane feels the weight across it.
+    const Real normal = reference.number(i, "normal force / m");
+    const Real mass = 910 * std::numbers::pi * 0.1e-3 * 0.1e-3 * 20e-3;
+    const Real angle = degrees * std::numbers::pi / 180;
+    const Vec3 force = run.vector("/plane", "force");
+    EXPECT_NEAR(-force.dot(Vec3(std::sin(angle), 0, std::cos(angle))), normal * mass,
+                1e-3 * normal * mass);
+  }
+  EXPECT_GT(stuck, 7);
+  EXPECT_GT(slid, 8);
+}
+
+// What each step may be off its law must not add up.
+TEST(Incline, DoesNotCreepInAMinute) {
+  TextRun run(thread_on_plane(20, 0.37), "dt='10 ms'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.1);
+  const Vec3 at = run.vector("/suture", "tip_position");
+  run.run(60);
+  EXPECT_LT((run.vector("/suture", "tip_position") - at).norm(), 1e-9);
+  EXPECT_LT(run.number("/suture", "kinetic_energy"), 1e-25);
+}
+
+}  // namespace
+}  // namespace sutura::testing
