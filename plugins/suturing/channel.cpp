@@ -100,8 +100,7 @@ EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed, const Vec3&
   for (Real s = 0; s < reach;) {
     s = std::min(s + search_step * spacing_, reach);
     const Vec3 to = thread_.point(s, Configuration::current);
-    if (const auto hit = tissue_.crossing(from, to, Configuration::current, facing))
-      return hit->at;
+    if (const auto hit = tissue_.crossing(from, to, Configuration::current, facing)) return hit->at;
     from = to;
   }
   return pressed;
