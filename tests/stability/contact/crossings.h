@@ -75,6 +75,7 @@ inline int crossings(const Line& a0, const Line& a1, const Line& b0, const Line&
       out[i] = from[i] + (to[i] - from[i]) * (Real(k) / parts);
     return out;
   };
+  const Pairs pairs = close_pairs(a0, a1, b0, b1, self);
   int count = 0;
   Real before = gauss_integral(a0, b0, pairs);
   for (int k = 1; k <= parts; ++k) {
