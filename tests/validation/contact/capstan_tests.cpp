@@ -33,7 +33,9 @@ TextRun wound(const Capstan& c) {
   const Real rise = c.wrap > 4.7 ? 6 * c.radius / (2 * std::numbers::pi) : 0;
   const Real square = around * around + rise * rise;
   const Real curvature = around / square, torsion = rise / square, length = c.wrap / curvature;
-  const std::string name = SUTURA_BINARY_DIR "/capstan.csv";
+  // A file for each test, as tests run beside each other.
+  const std::string name = std::string(SUTURA_BINARY_DIR "/capstan_") +
+                           ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
   std::ofstream(name) << std::setprecision(17) << "s [m],curvature [1/m],torsion [1/m]\n0,0,0\n"
                       << tail << ',' << curvature << ',' << torsion << '\n'
                       << tail + length << ",0,0\n";
