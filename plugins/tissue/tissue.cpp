@@ -134,7 +134,7 @@ void Tissue::ready(Setup& setup) {
 void Tissue::archive(Archive& a) {
   step_->archive(a);
   if (own_solver_) own_solver_->archive(a);
-  if (a.restoring() && a.ok()) set_state(positions(), velocities());
+  if (a.restoring() && a.ok()) move_queries(Configuration::current, step_->positions());
 }
 
 void Tissue::set_state(const VecX& x, const VecX& v) {
