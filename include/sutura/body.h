@@ -133,9 +133,12 @@ class Body {
   /// makes that the next guess. May go only part of the way if the linear answer cannot hold so
   /// far.
   virtual void correct(const StepContext& context, const VecX& force_change) = 0;
-  /// Back to `part` (0 to 1) of the straight way from the start of the step to the guess: something
-  /// is in the way (ConstraintSource::free_way).
-  virtual void shorten(const StepContext& /*context*/, Real /*part*/) {}
+  /// The way from the start of the step to the guess, in the body's own coordinates (m, rad; size
+  /// dofs; of each node, its shift comes first).
+  /// Empty from a body that cannot be moved from outside.
+  virtual void motion(VecX& out) const { out.resize(0); }
+  /// Another guess: that far from the start of the step. What is held stays where it is held.
+  virtual void move_to(const StepContext& /*context*/, const VecX& /*motion*/) {}
   /// Stage measure: what the guess lacks of balance under this constraint force.
   virtual Imbalance imbalance(const StepContext& context, const VecX& force) = 0;
   /// Once the guess is balanced: where it is no minimum of the body's potential (a straight thread

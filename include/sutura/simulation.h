@@ -85,6 +85,7 @@ class Driver {
 class Simulation;
 class OutputFolder;
 class LawCheck;
+class BetterGuess;
 template <class, std::size_t>
 class StageTimer;
 
@@ -196,7 +197,9 @@ class Simulation {
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
   std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
   Real violation_ = 0;                ///< likewise
-  std::string identity_;              ///< of scene, files and build: what a state must agree with
+  std::unique_ptr<BetterGuess> better_guess_;
+  VecX motion_;           ///< memory of `detect`
+  std::string identity_;  ///< of scene, files and build: what a state must agree with
   GrowingVec lambda_before_;
   const Component* asked_ = nullptr;  ///< the component at work
   StepReport report_;

@@ -145,11 +145,11 @@ const PathSample* Channel::find(std::uint64_t id) const {
   return i < passed_ ? &samples_[i] : nullptr;
 }
 
-void Channel::update() {
+void Channel::update(bool blocked) {
   find_abscissae();
   retract();
   readvance();
-  if (tip_inside() && passed_ == samples_.size()) record();
+  if (tip_inside() && passed_ == samples_.size() && !blocked) record();
 }
 
 /// From the tip backwards: abscissae grow in the order in which the channel was entered, so each
@@ -199,8 +199,6 @@ void Channel::readvance() {
   }
 }
 
-/// The channel grows as far as the tip has come: samples at their spacing along the needle, each
-/// fixed to the tissue that is there now, and the end at the tip itself.
 void Channel::record() {
   const Real depth = tip_depth();
   if (depth <= end_depth_) return;

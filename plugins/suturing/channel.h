@@ -68,7 +68,12 @@ class Channel {
   const PathSample* find(std::uint64_t id) const;
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end
   /// of the thread, takes up remembered ones, and records the channel as far as the tip has come.
-  void update();
+  /// `blocked`: a surface or layer holds the tip from the inside; what it has come further is the
+  /// motion of that front, not a channel.
+  void update(bool blocked);
+  /// The channel grows as far as the tip has come: samples at their spacing along the needle, each
+  /// fixed to the tissue that is there now, and the end at the tip itself.
+  void record();
   void archive(Archive& archive);
 
  private:
@@ -77,7 +82,6 @@ class Channel {
   void find_abscissae();
   void retract();
   void readvance();
-  void record();
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;

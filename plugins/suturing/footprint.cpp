@@ -35,12 +35,19 @@ Vec3 along_surface(const SolidBody& tissue, const SurfacePoint& surface) {
 }  // namespace
 
 void Footprint::archive(Archive& a) {
+  a.list("points", points_, [](Archive& each, SurfacePoint& p) {
+    each("at", p.at);
+    each("triangle", p.triangle);
+  });
+  a("offset", offset_);
+  a("normal", normal_);
   a("compliance", compliance_);
 }
 
 void Footprint::find(const SurfacePoint& surface) {
   points_.assign(1, surface);
   offset_.setZero();
+  normal_ = surface.normal;
   compliance_ = 0;
 }
 
@@ -60,6 +67,7 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real 
 
   // Points of equal area on the disc (a sunflower), each taken to the surface.
   points_.clear();
+  const Vec3 outward = tissue.surface_normal(surface.triangle, Configuration::start);
   const Vec3 u = along_surface(tissue, surface), v = surface.normal.cross(u);
   const Real golden = pi * (3 - std::sqrt(Real(5)));
   for (int k = 0; k < most_points; ++k) {
@@ -67,24 +75,30 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real 
     const Vec3 p = surface.position + r * (std::cos(angle) * u + std::sin(angle) * v);
     const auto foot = tissue.closest_surface(p, disc, Configuration::start);
     // The other side of a slit or of a thin sheet is not under the tip.
-    if (foot && foot->normal.dot(surface.normal) > 0) points_.push_back(*foot);
+    if (foot && foot->normal.dot(outward) > 0) points_.push_back(*foot);
   }
   if (points_.empty()) points_.push_back(surface);
   Vec3 mean = Vec3::Zero();
   for (const SurfacePoint& p : points_) mean += p.position / static_cast<Real>(points_.size());
   offset_ = surface.position - mean;
+  normal_ = normal(tissue, Configuration::start);
 }
 
-Vec3 Footprint::position(const SolidBody& tissue) const {
+void Footprint::keep(const SolidBody& tissue) {
+  const Vec3 before = normal_;
+  normal_ = normal(tissue, Configuration::start);
+  offset_ = shortest_rotation(before, normal_) * offset_;
+}
+
+Vec3 Footprint::position(const SolidBody& tissue, Configuration c) const {
   Vec3 sum = Vec3::Zero();
-  for (const SurfacePoint& p : points_) sum += tissue.position(p.at, Configuration::current);
+  for (const SurfacePoint& p : points_) sum += tissue.position(p.at, c);
   return sum / static_cast<Real>(points_.size()) + offset_;
 }
 
-Vec3 Footprint::normal(const SolidBody& tissue) const {
+Vec3 Footprint::normal(const SolidBody& tissue, Configuration c) const {
   Vec3 sum = Vec3::Zero();
-  for (const SurfacePoint& p : points_)
-    sum += tissue.surface_normal(p.triangle, Configuration::current);
+  for (const SurfacePoint& p : points_) sum += tissue.surface_normal(p.triangle, c);
   return sum.normalized();
 }
 

@@ -24,22 +24,26 @@ class Footprint {
             Real shaft_radius, Real force);
   /// A single point, without compliance.
   void find(const SurfacePoint& surface);
+  /// Instead of `find`, where the tip still presses: the same points of the tissue, which has
+  /// turned.
+  void keep(const SolidBody& tissue);
 
-  /// What is left of a step: its compliance. The points are found anew in the next one.
   void archive(Archive& archive);
 
   Real compliance() const { return compliance_; }  ///< c, m/N
   /// Where the point under the tip is now: carried along by the mean motion of the footprint.
-  Vec3 position(const SolidBody& tissue) const;
-  /// Mean outward unit normal now.
-  Vec3 normal(const SolidBody& tissue) const;
+  Vec3 position(const SolidBody& tissue, Configuration c) const;
+  /// Mean outward unit normal.
+  Vec3 normal(const SolidBody& tissue, Configuration c) const;
   /// Couples a block whose delta grows by directions * motion of the footprint.
   void couple(ConstraintBuilder& builder, BlockId block, const SolidBody& tissue,
               const Mat3& directions, const Vec3& at) const;
 
  private:
   std::vector<SurfacePoint> points_;  ///< of equal weight
-  Vec3 offset_ = Vec3::Zero();        ///< from their mean to the point under the tip
+  Vec3 offset_ = Vec3::Zero();        ///< from their mean to the point under the tip, at the start
+                                      ///< of the step
+  Vec3 normal_ = Vec3::UnitZ();       ///< mean, then
   Real compliance_ = 0;
 };
 

@@ -13,6 +13,9 @@ constexpr Real still_outside = 1e-3;  // a tip that begins no deeper than this l
 constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
 constexpr Real behind = 0.1;          // from where, behind the tip, the front of a layer is sought
 constexpr Real found = 1e-6;          // and to which accuracy
+// A surface that is no further from where the tip pressed than so many times the way that the tip
+// slid is where it slid to; one that is further is another.
+constexpr Real as_far = 2;
 
 }  // namespace
 
@@ -35,8 +38,8 @@ void Puncture::describe(Describe<Puncture>& d) {
       .optional();
   d.attribute("threshold", &Puncture::threshold_, "N", between(1e-12, 1e9),
               "Puncture force fp on entry, where no region says otherwise.");
-  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(1e-12, 1e9),
-              "Puncture force from inside.");
+  d.attribute("exit_threshold", &Puncture::exit_threshold_, "N", between(0, 1e9),
+              "Puncture force from inside; 0: the one on entry there.");
   describe_regions(d, between(1e-12, 1e9), ", on the surface and as a layer under another");
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
@@ -88,6 +91,9 @@ void Puncture::archive(Archive& a) {
   a("front", front_);
   a("region", region_);
   a("threshold_here", threshold_here_);
+  a("presses", presses_);
+  a("touched", touched_.at);
+  a("touched_triangle", touched_.triangle);
   footprint_.archive(a);
   a("count", count_);
   a("overruns", overruns_);
@@ -97,22 +103,17 @@ void Puncture::archive(Archive& a) {
 
 /// What the tip faces is found where the step begins and kept; passes only follow it.
 void Puncture::detect(const StepContext& context) {
+  bool same = false;
   if (context.pass == 0) {
-    front_ = Front::none;
     const bool inside = path_->channel().tip_inside();
-    if (!inside) {
-      front_ = find_entry();
-    } else if (path_->channel().tip_at_end()) {
-      front_ = find_exit();
-      if (front_ == Front::none) front_ = find_layer();
-    }
+    same = find_front();
     const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
   if (front_ == Front::none || front_ == Front::overrun) return;
-  if (context.pass == 0) {
+  if (context.pass == 0 && !same) {
     if (front_ == Front::layer)
       footprint_.find(touched_);
     else
@@ -122,19 +123,46 @@ void Puncture::detect(const StepContext& context) {
   follow_front();
 }
 
+/// What the tip faces at the start of the step. True if that is where it pressed already and has
+/// not slid: then the footprint stays where it is in the tissue. Sought anew, the tip of a tent
+/// would be found now before, now behind one of its few facets, and the tent be let go.
+bool Puncture::find_front() {
+  const Front before = front_;
+  const SurfacePoint pressed = touched_;
+  front_ = Front::none;
+  if (!path_->channel().tip_inside()) {
+    front_ = find_entry();
+  } else if (path_->channel().tip_at_end()) {
+    front_ = find_exit();
+    if (front_ == Front::none) front_ = find_layer();
+  }
+  if (!presses_) return false;
+  const Vec3 was = footprint_.position(path_->tissue(), Configuration::start);
+  const Real slid = (path_->thread().point(0, Configuration::start) - was).norm();
+  if (front_ == before && (touched_.position - was).norm() < as_far * slid) return false;
+  front_ = before;
+  touched_ = pressed;
+  touched_.position = was;
+  touched_.normal = footprint_.normal(path_->tissue(), Configuration::start);
+  if (front_ == Front::exit) touched_.normal *= -1;
+  footprint_.keep(path_->tissue());
+  return true;
+}
+
 Real Puncture::threshold_of_front() const {
-  if (front_ == Front::exit) return exit_threshold_;
+  if (front_ == Front::exit && exit_threshold_ > 0) return exit_threshold_;
   return threshold_of(path_->tissue().region(touched_.at), threshold_);
 }
 
 /// The surface point and its normal at the present guess.
 void Puncture::follow_front() {
   const SolidBody& tissue = path_->tissue();
-  touched_.position = footprint_.position(tissue);
+  touched_.position = footprint_.position(tissue, Configuration::current);
   if (front_ == Front::layer)
     touched_.normal = path_->thread().tangent(0, Configuration::current);
   else
-    touched_.normal = footprint_.normal(tissue) * (front_ == Front::exit ? -1 : 1);
+    touched_.normal =
+        footprint_.normal(tissue, Configuration::current) * (front_ == Front::exit ? -1 : 1);
 }
 
 Puncture::Front Puncture::find_entry() {
@@ -254,6 +282,7 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
+  presses_ = false;
   if (front_ == Front::overrun) {
     ++overruns_;
     begin_bite();
@@ -262,6 +291,7 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     force_ = touched_.normal.dot(solved.force(block_));
     peak_force_ = std::max(peak_force_, force_);
+    presses_ = force_ > 0 && front_ != Front::layer;
     return;
   }
   force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
@@ -275,6 +305,7 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
       begin_bite();
       break;
     case Front::layer:
+      channel.record();
       region_ = path_->tissue().region(touched_.at);
       break;
     case Front::exit:

@@ -30,6 +30,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface
   /// from inside; or nothing, because it got in without a puncture.
   enum class Front { none, entry, layer, exit, overrun };
+  bool find_front();
   Front find_entry();
   Front find_exit();
   Front find_layer();
@@ -41,7 +42,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Link<Cutting> cutting_;
   Link<PathFriction> drag_;
   Real threshold_ = 0.5;
-  Real exit_threshold_ = 0.5;
+  Real exit_threshold_ = 0;
   Real friction_ = 0.2;
   Real tip_radius_ = 0;  ///< 0: that of the footprint
   Real reach_ = 1e-3;
@@ -50,6 +51,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Front front_ = Front::none;
   bool blocked_ = false;  ///< the front holds the tip from the inside
   Footprint footprint_;
+  bool presses_ = false;  ///< on entry or exit, at the end of the last step
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
   int region_ = 0;        ///< of the layer the tip has got into
   BlockId block_;

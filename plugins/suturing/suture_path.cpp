@@ -169,7 +169,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
       channel_->sample(crossings_[b.crossing].sample).lateral_force = force;
     }
   }
-  channel_->update();
+  channel_->update(tip_blocked_);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];

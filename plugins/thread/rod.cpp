@@ -56,6 +56,7 @@ void Rod::build(const RodLayout& layout) {
   start_rate_.assign(n, Vec3::Zero());
   lever_ = start_rate_;
   states_.resize(n - 1);
+  start_deformation_.resize(n - 1);
   in_step_ = false;
   for (auto* v :
        {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_, &force_})
@@ -76,6 +77,7 @@ void Rod::reserve(Index beams) {
   start_rate_.reserve(n);
   lever_.reserve(n);
   states_.reserve(n);
+  start_deformation_.reserve(n);
   for (auto* v :
        {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_, &force_})
     v->reserve(6 * static_cast<Index>(n));

@@ -4,6 +4,7 @@
 // node: translation, spin; world axes), with the poses x = start + h v,
 //   r = M (v_start - v) + h (f(x) + weight - B v),     A dv = r,     A = M + h B + h^2 K,  B =
 //   alpha M + beta K
+// (B v: the drag alpha M v and the viscous force of viscosity.h),
 // with f the exact gradient of the energy and K its Hessian, or a convex part of it where A would
 // not be positive definite (element.h). The geometric stiffness in K takes the tension that the
 // pass before predicted and not the one at the guess: a stiff beam that turns by theta in a pass is
@@ -18,6 +19,7 @@
 #include "element.h"
 #include "element_mass.h"
 #include "sutura/body.h"
+#include "viscosity.h"
 
 namespace sutura::thread {
 
@@ -126,8 +128,6 @@ class Rod {
   /// From the start of the step to the guess: shift and turn of every node (see `turned`; m, rad; 6
   /// per node).
   const DofVector& motion() const { return motion_; }
-  /// Back to that part of the way to the guess.
-  void shorten(Real part);
   /// Another guess.
   void guess(const VecX& motion);
 
@@ -167,7 +167,7 @@ class Rod {
   void evaluate_guess();
   bool buckles();
   void add_beam_balance(Index e);
-  ElementGradient damping(Index e, const ElementVelocity& v) const;
+  DeformationChange deformed(Index e) const;
   void add_spring_balance();
   Wrench spring_wrench(const NodeSpring& spring) const;
   void move(const std::vector<Pose>& from, const std::vector<Real>& twist_from, const Dofs& motion,
@@ -198,6 +198,7 @@ class Rod {
   Vec3 gravity_ = Vec3::Zero();
   std::vector<Pose> start_;
   std::vector<Real> start_twist_;
+  std::vector<Deformation> start_deformation_;  ///< per beam, where it has viscosity
   DofVector start_velocity_;
   DofVector motion_;
   std::vector<Vec3> start_rate_;      ///< of the tangents, 1/s

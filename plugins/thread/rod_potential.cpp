@@ -8,17 +8,16 @@
 
 namespace sutura::thread {
 
-/// Elastic energy and weight, springs, what damping takes, half the squared change of velocity in
-/// the norm of the mass, less the work of loads and of the constraints of the last pass.
+/// Elastic energy and weight, springs, what drag and viscosity take, half the squared change of
+/// velocity in the norm of the mass, less the work of loads and of the constraints of the last
+/// pass.
 Real Rod::potential() const {
   Real sum = 0;
   for (Index e = 0; e < beams(); ++e) {
     const ElementState& s = states_[e];
     const ElementVelocity v(velocity_, e), old(start_velocity_, e);
-    if (damping_stiffness > 0) {
-      const ElementGradient d = damping(e, v);
-      sum += dt_ / 2 * (d.v.dot(v.vb - v.va) + d.a.dot(v.wa) + d.b.dot(v.wb));
-    }
+    if (damping_stiffness > 0)
+      sum += damping_stiffness / dt_ * viscous_energy(elements_[e], deformed(e));
     sum += dt_ * damping_mass * kinetic(masses_[e], s, v);
     // Weight as in add_beam_balance.
     const bool falls = clamped_.empty();

@@ -17,6 +17,10 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
     start_velocity_ = velocity_;
     for (Index i = 0; i < nodes(); ++i)
       start_rate_[i] = Vec3(velocity_.segment<3>(6 * i + 3)).cross(tangent(pose_[i]));
+    for (Index e = 0; e < beams() && damping_stiffness > 0; ++e) {
+      element_state(e, states_[e]);
+      start_deformation_[e] = Deformation(states_[e], pose_[e], pose_[e + 1]);
+    }
     in_step_ = true;
   }
   last_turn_ = std::numeric_limits<Real>::infinity();
@@ -107,11 +111,11 @@ void Rod::add_beam_balance(Index e) {
     sb -= r.length / 12 * s.tb.cross(weight);
   }
   if (damping_stiffness > 0) {
-    const ElementGradient d = damping(e, v);
-    xa += dt_ * d.v;
-    xb -= dt_ * d.v;
-    sa -= dt_ * d.a;
-    sb -= dt_ * d.b;
+    const ElementGradient d = viscous_gradient(r, s, deformed(e));
+    xa += damping_stiffness * d.v;
+    xb -= damping_stiffness * d.v;
+    sa -= damping_stiffness * d.a;
+    sb -= damping_stiffness * d.b;
   }
   // Change of momentum. The rate of the tangents is compared as a vector: so linear momentum is
   // kept exactly while they turn.
@@ -132,17 +136,8 @@ void Rod::add_beam_balance(Index e) {
   at_work_[e + 1] += inner + g.b.norm() / r.length + p.xb.norm() / dt_ + outer;
 }
 
-/// beta K v of one beam.
-ElementGradient Rod::damping(Index e, const ElementVelocity& v) const {
-  ElementMatrix k;
-  ElementState predicted = states_[e];
-  predicted.tension = tension_[e];
-  step_stiffness(elements_[e], predicted, k);
-  const Vec3 dv = v.vb - v.va;
-  const Real c = damping_stiffness;
-  return {c * (k.vv * dv + k.va * v.wa + k.vb * v.wb),
-          c * (k.va.transpose() * dv + k.aa * v.wa + k.ab * v.wb),
-          c * (k.vb.transpose() * dv + k.ab.transpose() * v.wa + k.bb * v.wb)};
+DeformationChange Rod::deformed(Index e) const {
+  return {states_[e], pose_[e], pose_[e + 1], start_deformation_[e]};
 }
 
 void Rod::add_spring_balance() {
@@ -172,7 +167,7 @@ void blend(ElementMatrix& a, const ElementMatrix& b, Real share) {
 
 }  // namespace
 
-/// Damping is by the convex part, in both tangents.
+/// Viscosity is by the convex part of its own stiffness, in both tangents.
 void Rod::assemble(Tangent tangent) {
   const Real mass_factor = 1 + dt_ * damping_mass;
   const Real stiffness_factor = dt_ * (dt_ + damping_stiffness);
@@ -184,11 +179,15 @@ void Rod::assemble(Tangent tangent) {
     const Real tension = s.tension;
     // Stretch that a turn faked is not to stiffen the beam, unless passes without it get nowhere.
     s.tension = stuck_ && tangent == Tangent::convex ? std::max(tension_[e], tension) : tension_[e];
-    if (tangent == Tangent::convex || damping_stiffness > 0) step_stiffness(elements_[e], s, k);
-    if (tangent == Tangent::exact) {
-      const ElementMatrix convex = k;
+    if (tangent == Tangent::exact)
       hessian(elements_[e], s, k);
-      if (damping_stiffness > 0) blend(k, convex, damping_stiffness / (dt_ + damping_stiffness));
+    else
+      step_stiffness(elements_[e], s, k);
+    if (damping_stiffness > 0) {
+      ElementMatrix viscous;
+      s.tension -= elements_[e].axial * start_deformation_[e].strain;  // times beta/h
+      step_stiffness(elements_[e], s, viscous);
+      blend(k, viscous, damping_stiffness / (dt_ + damping_stiffness));
     }
     s.tension = tension;
 
@@ -336,11 +335,6 @@ void Rod::correct(const Dofs& force_change) {
   }
   stuck_ = !contracts && part < 0.1;
   last_turn_ = turn;
-}
-
-void Rod::shorten(Real part) {
-  motion_ *= part;
-  take_motion();
 }
 
 void Rod::guess(const VecX& motion) {

@@ -51,7 +51,8 @@ class SutureThread : public Component, public SegmentedCurve {
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
-  void shorten(const StepContext&, Real part) override { rod_.shorten(part); }
+  void motion(VecX& out) const override { out = rod_.motion(); }
+  void move_to(const StepContext&, const VecX& motion) override { rod_.guess(motion); }
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
   bool leave_saddle() override;

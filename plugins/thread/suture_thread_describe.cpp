@@ -99,9 +99,9 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Start at rest, in balance under weight, loads and holds, instead of as laid out.");
 
   d.attribute("damping_mass", &T::damping_mass, "1/s", between(0, 1e6),
-              "Rayleigh damping, part of the mass matrix.");
+              "Drag against the world, in proportion to mass.");
   d.attribute("damping_stiffness", &T::damping_stiffness, "s", between(0, 1e6),
-              "Rayleigh damping, part of the stiffness matrix.");
+              "Viscosity: time by which stress goes with the rate of strain, bend and twist.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
               "Linearisations per time step: 1 is enough for most scenes, more follow fast large "
               "motion more closely.");

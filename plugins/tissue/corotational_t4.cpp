@@ -59,7 +59,7 @@ void CorotationalT4::set_materials(const std::vector<Material>& per_tet) {
   }
 }
 
-void CorotationalT4::deformation_gradient(const Pack& p, const VecX& x, Lanes (&F)[9]) const {
+void CorotationalT4::deformation_gradient(const Pack& p, const VecX& x, Small3<Lanes>& F) const {
   Lanes X[4][3];
   for (int c = 0; c < 4; ++c)
     for (int k = 0; k < lanes; ++k) {
@@ -73,22 +73,19 @@ void CorotationalT4::deformation_gradient(const Pack& p, const VecX& x, Lanes (&
   }
 }
 
-/// Rotation, strain and turned gradients of a pack; takes its elastic force into `force`.
+/// Rotation, strain and turned gradients of a pack; takes its force into `force`.
 void CorotationalT4::stress(const Pack& p, const VecX& x, Stressed& s, VecX& force) const {
   Small3<Lanes> F;
-  {
-    Lanes f[9];
-    deformation_gradient(p, x, f);
-    std::copy_n(f, 9, F.begin());
-  }
+  deformation_gradient(p, x, F);
   const Small3<Lanes>& R = s.R;
   rotations(F, s.R);
   biot_strain(F, R, s.E);
+  const Real stiffer = add_viscosity(viscous_share_, p.start, s.E);
   const Lanes(&E)[6] = s.E;
 
   // First Piola-Kirchhoff stress times volume: P = R (2 mu E + lambda tr E I).
-  const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
-  const Lanes two_mu = 2.0 * p.mu;
+  const Lanes pressure = stiffer * p.lambda * (E[0] + E[1] + E[2]);
+  const Lanes two_mu = 2.0 * stiffer * p.mu;
   const Lanes T[9] = {two_mu * E[0] + pressure, two_mu * E[3], two_mu * E[4], two_mu * E[3],
                       two_mu * E[1] + pressure, two_mu * E[5], two_mu * E[4], two_mu * E[5],
                       two_mu * E[2] + pressure};
@@ -154,13 +151,22 @@ void CorotationalT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& f
   }
 }
 
+void CorotationalT4::set_viscosity(const VecX& start, Real share) {
+  viscous_share_ = share;
+  if (share == 0) return;
+  for (Pack& p : packs_) {
+    Small3<Lanes> F, R;
+    deformation_gradient(p, start, F);
+    rotations(F, R);
+    biot_strain(F, R, p.start);
+  }
+}
+
 Real CorotationalT4::energy(const VecX& x) const {
   Lanes sum{};
   for (const Pack& p : packs_) {
     Small3<Lanes> F, R;
-    Lanes f[9];
-    deformation_gradient(p, x, f);
-    std::copy_n(f, 9, F.begin());
+    deformation_gradient(p, x, F);
     rotations(F, R);
     Lanes E[6];
     biot_strain(F, R, E);

@@ -21,6 +21,7 @@ class CorotationalT4 final : public ElasticModel {
   /// K is the exact derivative where nothing is compressed, and positive semidefinite everywhere
   /// (twist_stiffness.h).
   void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) override;
+  void set_viscosity(const VecX& start, Real share) override;
   void add_force(const VecX& x, VecX& force) const override;
   Real energy(const VecX& x) const override;
 
@@ -31,6 +32,7 @@ class CorotationalT4 final : public ElasticModel {
     Lanes gradient[3][3];  ///< [node 1..3][axis] (1/m); node 0 has minus their sum
     Lanes volume;          ///< m^3
     Lanes mu, lambda;      ///< times volume (N m)
+    Lanes start[6];        ///< strain at the start of the step, where it has viscosity
     std::int32_t node[4][lanes];
     std::int32_t slot[10][lanes];  ///< blocks 00 01 02 03 11 12 13 22 23 33
   };
@@ -40,10 +42,11 @@ class CorotationalT4 final : public ElasticModel {
     Lanes E[6];
     Lanes g[4][3];  ///< gradients of the nodes, turned by R (1/m)
   };
-  void deformation_gradient(const Pack& p, const VecX& x, Lanes (&F)[9]) const;
+  void deformation_gradient(const Pack& p, const VecX& x, Small3<Lanes>& F) const;
   void stress(const Pack& p, const VecX& x, Stressed& s, VecX& force) const;
 
   std::vector<Pack> packs_;
+  Real viscous_share_ = 0;
   std::vector<std::array<Index, 4>> sorted_;  ///< nodes of each tet, ascending
 };
 

@@ -31,8 +31,13 @@ class ElasticModel {
   /// Materials per tet. Called before the first `linearise`, and again if they change.
   virtual void set_materials(const std::vector<Material>& per_tet) = 0;
 
+  /// Gives the material viscosity (Kelvin-Voigt) for a step of length h from the positions `start`:
+  /// until the next call, forces are those of the strain E + beta/h (E - E at the start). `share`
+  /// is beta/(h + beta); 0: elastic. A body that moves rigidly has no viscous force, however far it
+  /// turns in the step.
+  virtual void set_viscosity(const VecX& start, Real share) = 0;
   /// force += -dE/dx (N); A += scale * K for every block, fixed nodes included (the solver masks
-  /// them: reactions need their rows).
+  /// them: reactions need their rows). With viscosity, K is (1 - share) of the tangent.
   virtual void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) = 0;
   /// force += -dE/dx (N), alone.
   virtual void add_force(const VecX& x, VecX& force) const = 0;

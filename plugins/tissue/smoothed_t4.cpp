@@ -156,7 +156,7 @@ void SmoothedT4::find_slots(Domains& d) const {
 }
 
 void SmoothedT4::deformation_gradient(const Domains& d, const Pack& p, const VecX& x,
-                                      Lanes (&F)[9]) const {
+                                      Small3<Lanes>& F) const {
   for (Lanes& f : F) f = Lanes{};
   const std::int32_t* node = &d.nodes[p.node];
   Lanes origin[3];
@@ -181,17 +181,14 @@ template <bool shear>
 void SmoothedT4::stress(const Domains& d, const Pack& p, const VecX& x, Stressed& s,
                         VecX& force) const {
   Small3<Lanes> F;
-  {
-    Lanes f[9];
-    deformation_gradient(d, p, x, f);
-    std::copy_n(f, 9, F.begin());
-  }
+  deformation_gradient(d, p, x, F);
   const Small3<Lanes>& R = s.R;
   rotations(F, s.R);
   biot_strain(F, R, s.E);
+  const Real stiffer = add_viscosity(viscous_share_, p.start, s.E);
   const Lanes(&E)[6] = s.E;
-  const Lanes pressure = p.lambda * (E[0] + E[1] + E[2]);
-  const Lanes two_mu = 2.0 * p.mu;
+  const Lanes pressure = stiffer * p.lambda * (E[0] + E[1] + E[2]);
+  const Lanes two_mu = 2.0 * stiffer * p.mu;
   const auto count = static_cast<std::size_t>(p.count);
   if (s.turned.size() < count) s.turned.resize(count);
   for (std::size_t a = 0; a < count; ++a) {
@@ -271,14 +268,24 @@ void SmoothedT4::linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force
   add<false>(nodes_, x, scale, A, force);
 }
 
+void SmoothedT4::set_viscosity(const VecX& start, Real share) {
+  viscous_share_ = share;
+  if (share == 0) return;
+  for (Domains* d : {&edges_, &nodes_})
+    for (Pack& p : d->packs) {
+      Small3<Lanes> F, R;
+      deformation_gradient(*d, p, start, F);
+      rotations(F, R);
+      biot_strain(F, R, p.start);
+    }
+}
+
 Real SmoothedT4::energy(const VecX& x) const {
   Real total = 0;
   for (const Domains* d : {&edges_, &nodes_})
     for (const Pack& p : d->packs) {
       Small3<Lanes> F, R;
-      Lanes f[9];
-      deformation_gradient(*d, p, x, f);
-      std::copy_n(f, 9, F.begin());
+      deformation_gradient(*d, p, x, F);
       rotations(F, R);
       Lanes E[6];
       biot_strain(F, R, E);

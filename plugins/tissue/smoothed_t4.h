@@ -28,6 +28,7 @@ class SmoothedT4 final : public ElasticModel {
   /// Averages are taken within one material: layers do not smear into each other.
   void set_materials(const std::vector<Material>& per_tet) override;
   void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) override;
+  void set_viscosity(const VecX& start, Real share) override;
   void add_force(const VecX& x, VecX& force) const override;
   Real energy(const VecX& x) const override;
 
@@ -42,6 +43,7 @@ class SmoothedT4 final : public ElasticModel {
     std::int32_t count;                ///< nodes
     std::size_t gradient, node, slot;  ///< where they start in the arrays below
     Lanes mu, lambda;                  ///< times volume (N m)
+    Lanes start[6];                    ///< strain at the start of the step, where it has viscosity
   };
   struct Domains {
     bool shear = false;  ///< false: mu is zero, only the trace of the strain counts
@@ -59,7 +61,7 @@ class SmoothedT4 final : public ElasticModel {
   Domains make_domains(std::vector<Share> shares, const std::vector<Material>& materials,
                        bool shear) const;
   void find_slots(Domains& d) const;
-  void deformation_gradient(const Domains& d, const Pack& p, const VecX& x, Lanes (&F)[9]) const;
+  void deformation_gradient(const Domains& d, const Pack& p, const VecX& x, Small3<Lanes>& F) const;
   /// Work space of one pack: its gradients turned by R.
   using Turned = std::vector<Gradient>;
   struct Stressed {
@@ -78,6 +80,7 @@ class SmoothedT4 final : public ElasticModel {
   std::vector<Eigen::Matrix<Real, 3, 4>> gradient_;  ///< of the shape functions, per tet (1/m)
   const NodePattern* pattern_ = nullptr;
   Domains edges_, nodes_;
+  Real viscous_share_ = 0;
   mutable Stressed work_;
 };
 

@@ -30,4 +30,12 @@ inline void biot_strain(const Small3<Lanes>& F, const Small3<Lanes>& R, Lanes (&
   E[5] = 0.5 * (dot(1, 2) + dot(2, 1));
 }
 
+/// E + beta/h (E - start) is (E - share start) / (1 - share), with share = beta/(h + beta): takes E
+/// to the bracket and returns the factor.
+inline Real add_viscosity(Real share, const Lanes (&start)[6], Lanes (&E)[6]) {
+  if (share == 0) return 1;
+  for (int i = 0; i < 6; ++i) E[i] -= share * start[i];
+  return 1 / (1 - share);
+}
+
 }  // namespace sutura::tissue

@@ -24,9 +24,9 @@ void Tissue::describe(Describe<Tissue>& d) {
               "Poisson ratio; linear elements grow too stiff from about 0.4 on.");
   d.attribute("density", &Tissue::density, "kg/m^3", density_range, "Density.");
   d.attribute("damping_mass", &Tissue::damping_mass, "1/s", between(0, 1e6),
-              "Rayleigh damping in proportion to mass: a drag against the world.");
+              "Drag against the world, in proportion to mass.");
   d.attribute("damping_stiffness", &Tissue::damping_stiffness, "s", between(0, 1000),
-              "Rayleigh damping in proportion to stiffness: viscosity.");
+              "Viscosity: time by which stress goes with the rate of strain.");
   d.attribute("element", &Tissue::element, {"unstated", "t4", "smoothed"},
               "Linear tets (t4), far too stiff in bending near poisson 0.5, or the same tets "
               "averaged over edges and nodes (smoothed), accurate there at three to four times the "
@@ -212,8 +212,12 @@ void Tissue::correct(const StepContext& context, const VecX& force_change) {
   move_queries(Configuration::current, step_->positions());
 }
 
-void Tissue::shorten(const StepContext& context, Real part) {
-  step_->shorten(context, part);
+void Tissue::motion(VecX& out) const {
+  out = step_->positions() - step_->start_positions();
+}
+
+void Tissue::move_to(const StepContext& context, const VecX& motion) {
+  step_->move_to(context, motion);
   move_queries(Configuration::current, step_->positions());
 }
 

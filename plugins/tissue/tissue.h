@@ -76,7 +76,8 @@ class Tissue : public Component, public MeshedSolid {
     add_tissue_compliance(*solver_, rows, dt, W);
   }
   void correct(const StepContext& context, const VecX& force_change) override;
-  void shorten(const StepContext& context, Real part) override;
+  void motion(VecX& out) const override;
+  void move_to(const StepContext& context, const VecX& motion) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override {
     return step_->imbalance(context, force);
   }

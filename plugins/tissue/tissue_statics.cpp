@@ -33,6 +33,7 @@ std::string settle(TissueModel& model, const VecX& load, const Vec3& gravity, Ve
     weight.segment<3>(i) = model.mass[static_cast<std::size_t>(i / 3)] * gravity;
   const VecX outside = weight + load;
   model.held.put(x);
+  model.elastic->set_viscosity(x, 0);
   const auto potential = [&](const VecX& at) {
     return model.elastic->energy(at) - outside.dot(at - model.rest) + model.held.energy(at);
   };

@@ -75,6 +75,8 @@ void TissueStep::begin(const StepContext& context) {
     start_v_ = v_;
     in_step_ = true;
   }
+  const Real beta = model_.damping_stiffness;
+  model_.elastic->set_viscosity(start_x_, beta / (context.dt + beta));
   v_ = start_v_;
   // A fixed node keeps the velocity that it has: so it is given the one that leads to its target.
   model_.held.set_velocities(start_x_, context.dt, v_);
@@ -87,9 +89,8 @@ void TissueStep::begin(const StepContext& context) {
 void TissueStep::assemble(Real h, Index step) {
   A_.set_zero();
   force_.setZero();
-  const Real stiffness_share = h * h + h * model_.damping_stiffness;
-  model_.elastic->linearise(x_, stiffness_share, A_, force_);
-  model_.held.add_stiffness(stiffness_share, A_);
+  model_.elastic->linearise(x_, h * h + h * model_.damping_stiffness, A_, force_);
+  model_.held.add_stiffness(h * h, A_);
   add_outer_forces();
   A_.add_diagonal(model_.mass, 1 + h * model_.damping_mass);
   linearised_at_ = x_;
@@ -101,7 +102,7 @@ void TissueStep::assemble(Real h, Index step) {
   solver_.prepare(A_, node_rotations_, step);
 }
 
-/// Beside the elastic force at x: that of supports and loads.
+/// Beside the force of the material at x: that of supports and loads.
 void TissueStep::add_outer_forces() {
   model_.held.add_force(x_, force_);
   if (load_.size() == model_.dofs()) force_ += load_;
@@ -109,17 +110,12 @@ void TissueStep::add_outer_forces() {
 
 /// missing_ <- r at the guess, with the force that is known there.
 void TissueStep::balance(const StepContext& context) {
-  const Real h = context.dt, alpha = model_.damping_mass, beta = model_.damping_stiffness;
-  // h beta K v = beta / (h + beta) (A v - (1 + h alpha) M v): K itself is never formed.
-  const Real share = beta / (h + beta);
-  product_.setZero(model_.dofs());
-  if (beta > 0) A_.multiply(v_, product_);
+  const Real h = context.dt, alpha = model_.damping_mass;
   for (Index i = 0; i < static_cast<Index>(model_.mass.size()); ++i) {
     const auto v = v_.segment<3>(3 * i);
     missing_.segment<3>(3 * i) =
-        model_.mass[i] * (start_v_.segment<3>(3 * i) - v + h * (context.gravity - alpha * v) +
-                          share * (1 + h * alpha) * v) +
-        h * force_.segment<3>(3 * i) - share * product_.segment<3>(3 * i);
+        model_.mass[i] * (start_v_.segment<3>(3 * i) - v + h * (context.gravity - alpha * v)) +
+        h * force_.segment<3>(3 * i);
   }
 }
 
@@ -168,8 +164,8 @@ void TissueStep::correct(const StepContext& context, const VecX& force_change) {
 }
 
 /// What is held goes where it is held, however far that is.
-void TissueStep::shorten(const StepContext& context, Real part) {
-  v_ *= part;
+void TissueStep::move_to(const StepContext& context, const VecX& motion) {
+  v_ = motion / context.dt;
   model_.held.set_velocities(start_x_, context.dt, v_);
   x_ = start_x_ + context.dt * v_;
   force_.setZero();

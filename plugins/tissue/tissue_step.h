@@ -31,7 +31,7 @@ class TissueStep {
   void linearise(const StepContext& context, const VecX& force);
   const VecX& change() const { return change_; }
   void correct(const StepContext& context, const VecX& force_change);
-  void shorten(const StepContext& context, Real part);
+  void move_to(const StepContext& context, const VecX& motion);
   Imbalance imbalance(const StepContext& context, const VecX& force);
   void end(const StepContext& context, const VecX& force);
 
@@ -80,7 +80,7 @@ class TissueStep {
   std::string solver_trouble_;  ///< in all of them but the last, which the solver still knows
   VecX reaction_;
 
-  VecX answer_, product_;  ///< memory of `correct` and `balance`
+  VecX answer_;  ///< memory of `correct`
   std::vector<Mat3> node_rotations_;
 };
 

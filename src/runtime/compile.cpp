@@ -3,6 +3,7 @@
 #include <set>
 
 #include "base/floating_point.h"
+#include "runtime/better_guess.h"
 #include "runtime/failure.h"
 #include "runtime/gauss_seidel_component.h"
 #include "runtime/output_folder.h"
@@ -129,6 +130,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();
+  s->better_guess_ = std::make_unique<BetterGuess>(s->bodies_);
   s->output_directory_ = output_directory;
   s->written_files_ = written_files(setup);
   return s;

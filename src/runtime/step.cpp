@@ -4,6 +4,7 @@
 
 #include "base/floating_point.h"
 #include "base/stage_timer.h"
+#include "runtime/better_guess.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
 #include "solve/law_check.h"
@@ -75,11 +76,13 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   build(context, timer);
 
   std::fill(settled_.begin(), settled_.end(), 0);
+  better_guess_->forget();
   Index least = 1;
   for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
   Index most = std::max(least, scene_->limits.passes);
   Index saddles = 0;
   while (context.pass < most) {
+    better_guess_->begin_pass(settled_);
     pass(context, timer);
     ++context.pass;
     ++report_.passes;
@@ -87,7 +90,12 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) return false;
-    if (!balanced || context.pass < least) continue;
+    if (!balanced || context.pass < least) {
+      timer.enter(Stage::correct);
+      if (better_guess_->move_on(context)) build(context, timer);
+      continue;
+    }
+    better_guess_->forget();
     // What cannot be undone happens on forces that have been verified, all that is due at once.
     const Index fired = fire_events(problem_);
     most += fired;
@@ -166,7 +174,11 @@ void Simulation::detect(const StepContext& context) {
     for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
     if (part >= 1 || look > most_looks) return;
     if (look == most_looks) part = 0;  // back to the start, which was free
-    for (const NamedBody& b : bodies_) ask(b.body).shorten(context, part);
+    for (const NamedBody& b : bodies_) {
+      ask(b.body).motion(motion_);
+      motion_ *= part;
+      b.body->move_to(context, motion_);
+    }
   }
 }
 

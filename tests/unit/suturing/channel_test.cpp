@@ -22,7 +22,7 @@ class ChannelTest : public ::testing::Test {
   }
   void move_to(Real depth) {
     needle.now_ = depth;
-    channel.update();
+    channel.update(false);
   }
   EmbeddedPoint top() const { return SpringSlab::embedded(Vec3(needle.sideways, 0, 0)); }
   EmbeddedPoint bottom() const { return SpringSlab::embedded(Vec3(needle.sideways, 0, -20 * mm)); }

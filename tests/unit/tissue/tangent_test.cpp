@@ -128,6 +128,29 @@ TEST_P(Tangent, IsSymmetricPositiveAndBlindToTranslation) {
   }
 }
 
+// A rigid motion, however far it turns, adds no force to that of the strain it starts with.
+TEST_P(Tangent, ViscosityLeavesARigidMotionAlone) {
+  const VecX start = rest + noise(0.1, 11);
+  VecX elastic = VecX::Zero(start.size()), viscous = elastic, moved(start.size());
+  for (Index i = 0; i < start.size(); i += 3)
+    moved.segment<3>(i) = turned * start.segment<3>(i) + Vec3(0.1, -0.2, 0.3);
+  model->add_force(moved, elastic);
+  model->set_viscosity(start, 0.9);
+  model->add_force(moved, viscous);
+  EXPECT_LT((viscous - elastic).norm(), 1e-11 * elastic.norm());  // rounding, times 1/(1 - share)
+}
+
+// From rest, strain and its rate are one: beta/h times as much comes on top, in force and tangent.
+TEST_P(Tangent, ViscosityFromRestIsAsMuchStiffnessMore) {
+  constexpr Real h = 0.01, beta = 0.03;
+  const VecX x = rest + noise(0.05, 13);
+  const VecX elastic = force(x);
+  const MatX K = stiffness(x);
+  model->set_viscosity(rest, beta / (h + beta));
+  EXPECT_LT((force(x) - (1 + beta / h) * elastic).norm(), 1e-12 * (1 + beta / h) * elastic.norm());
+  EXPECT_LT((stiffness(x) - K).norm(), 1e-12 * K.norm());
+}
+
 // The balance of a step is measured with the one and linearised with the other.
 TEST_P(Tangent, ForceAloneIsThatOfTheLinearisationToTheBit) {
   for (const Real size : {0.0, 0.1, 1.0}) {

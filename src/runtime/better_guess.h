@@ -1,0 +1,46 @@
+// Where the next pass of a step begins.
+//
+// A pass takes the guess x to G(x): it linearises each body and its rows. What it leaves out (rows
+// that slide along a bent thread under load change their force) makes passes contract slowly, or
+// swing to and fro for ever. Anderson's method (D. G. Anderson, J. ACM 12, 1965; H. F. Walker and
+// P. Ni, SIAM J. Numer. Anal. 49, 2011) learns that part from the passes themselves: of the last
+// few it takes the affine combination whose change G(x) - x is smallest, and the next pass starts
+// there. What a step ends with is always the result of a pass, measured like any other.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sutura/simulation.h"
+
+namespace sutura {
+
+class BetterGuess {
+ public:
+  using Bodies = std::vector<Simulation::NamedBody>;
+  /// Makes room for their motions, so that nothing is allocated in a step.
+  explicit BetterGuess(const Bodies& bodies);
+  /// The passes to come have nothing to do with those before: a new step, or an event.
+  void forget();
+  /// Before a pass. `rests`: per body, the pass leaves it where it is.
+  void begin_pass(const std::vector<char>& rests);
+  /// After a pass that was not enough. True if passes contract slowly: then the bodies that took
+  /// part in it have been moved on to a better guess.
+  bool move_on(const StepContext& context);
+
+ private:
+  static constexpr std::size_t memory = 5;  ///< passes that are remembered
+  struct Pass {
+    std::vector<VecX> from, to;  ///< motion of every body before and after (m, rad)
+    std::vector<char> rests;
+  };
+  Real product(const Pass& a, const Pass& b) const;
+
+  const Bodies& bodies_;
+  std::array<Pass, memory> passes_;  ///< the newest first
+  std::size_t known_ = 0;
+  bool slow_ = false;  ///< in this step
+  VecX guess_;
+};
+
+}  // namespace sutura

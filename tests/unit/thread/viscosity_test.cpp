@@ -1,0 +1,132 @@
+#include "viscosity.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "rod.h"
+#include "rod_builder.h"
+
+namespace sutura::thread {
+namespace {
+
+/// Two poses of a beam and its twist, moved by (v of b, spin of a, spin of b).
+struct Beam {
+  Pose a, b;
+  Real twist = 0;
+  Beam moved(const Vec9& d) const {
+    Beam m = *this;
+    m.b.position += d.head<3>();
+    m.a.rotation = rotated(a.rotation, d.segment<3>(3));
+    m.b.rotation = rotated(b.rotation, d.tail<3>());
+    return m;
+  }
+  ElementState state(const ElementRest& rest) const {
+    ElementState s;
+    evaluate(rest, a, b, twist, s);
+    return s;
+  }
+};
+
+/// A beam bent by tenths of a radian and twisted, and how it was before a step that turned it by
+/// about a radian and deformed it further.
+struct Step {
+  ElementRest rest;
+  Beam start, end;
+  explicit Step(bool curved) : rest(make_rest(curved)) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<Real> uniform(-1, 1);
+    const auto vector = [&] { return Vec3(uniform(engine), uniform(engine), uniform(engine)); };
+    start.b.position = rest.length * Vec3(1.01, 0.1, -0.05);
+    start.a.rotation = rotated(rest.frame_a.conjugate(), 0.3 * vector());
+    start.b.rotation = rotated(rest.frame_b.conjugate(), 0.3 * vector());
+    start.twist = start.state(rest).twist;
+    Vec9 change;
+    change << 0.05 * rest.length * vector(), 0.2 * vector(), 0.2 * vector();
+    end = rigid(start.moved(change), vector());
+    end.twist = end.state(rest).twist;
+  }
+  static ElementRest make_rest(bool curved) {
+    Pose a, b;
+    b.position = Vec3(2e-3, 0, 0);
+    if (curved) b.rotation = Quat(Eigen::AngleAxis<Real>(0.5, Vec3::UnitZ()));
+    return {a, b, 2e-3, nylon()};
+  }
+  /// The beam turned about the origin and shifted.
+  static Beam rigid(const Beam& beam, const Vec3& turn) {
+    Beam m = beam;
+    const Quat q = rotated(Quat::Identity(), turn);
+    for (Pose* p : {&m.a, &m.b}) {
+      p->position = q * p->position + Vec3(1e-3, -2e-3, 3e-3);
+      p->rotation = q * p->rotation;
+    }
+    return m;
+  }
+  DeformationChange change(const Beam& now) const {
+    return {now.state(rest), now.a, now.b, Deformation(start.state(rest), start.a, start.b)};
+  }
+};
+
+class Viscosity : public testing::TestWithParam<bool> {};
+
+TEST_P(Viscosity, ForceIsTheGradientOfWhatIsDissipated) {
+  const Step step(GetParam());
+  const ElementState s = step.end.state(step.rest);
+  const ElementGradient g = viscous_gradient(step.rest, s, step.change(step.end));
+  Vec9 slope, gradient;
+  gradient << g.v, g.a, g.b;
+  for (int i = 0; i < 9; ++i) {
+    const Real size = 1e-5 * (i < 3 ? step.rest.length : 1);
+    const auto energy = [&](Real way) {
+      return viscous_energy(step.rest, step.change(step.end.moved(way * size * Vec9::Unit(i))));
+    };
+    slope[i] = (energy(1) - energy(-1)) / (2 * size);
+  }
+  // Central differences, as in element_test.cpp.
+  const Real force = gradient.head<3>().norm();
+  const Real moment = gradient.tail<6>().norm() + force * step.rest.length;
+  EXPECT_LT((slope - gradient).head<3>().norm(), 1e-7 * force);
+  EXPECT_LT((slope - gradient).tail<6>().norm(), 1e-7 * moment);
+}
+
+TEST_P(Viscosity, ARigidMotionDissipatesNothing) {
+  const Step step(GetParam());
+  Beam turned = Step::rigid(step.start, Vec3(1.2, -0.7, 2.1));
+  turned.twist = step.start.twist;
+  const DeformationChange none = step.change(turned);
+  // Rounding of coordinates of the size of the beam, against its length.
+  EXPECT_LT(std::abs(none.strain), 1e-13);
+  EXPECT_LT(std::abs(none.twist), 1e-13);
+  EXPECT_LT(none.bend_a.norm() + none.bend_b.norm(), 1e-13);
+}
+
+INSTANTIATE_TEST_SUITE_P(StraightAndCurved, Viscosity, testing::Bool());
+
+// A rod in space that spins about an axis across it. Its own strain, of the centrifugal force
+// m w^2 r, is 5e-7; K v would add beta/h times the stretch of the turn in a step, (w h)^2/2 = 1e-2.
+TEST(Viscosity, LeavesASpinningRodAlone) {
+  constexpr Real spin = 15, length = 0.05;
+  Rod rod;
+  rod.build(straight_layout(length, 20, nylon()));
+  rod.damping_stiffness = 10e-3;
+  const Vec3 middle = rod.poses(Configuration::current)[10].position;
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const Vec3 arm = rod.poses(Configuration::current)[i].position - middle;
+    rod.velocity().segment<3>(6 * i) = Vec3(0, 0, spin).cross(arm);
+    rod.velocity().segment<3>(6 * i + 3) = Vec3(0, 0, spin);
+  }
+  const Real density = rod.mass() / length / rod.section(0).axial_stiffness();
+  const Real centrifugal = density * spin * spin * length * length / 8;
+  for (int i = 0; i < 10; ++i) {
+    // A hundredth of the centrifugal force.
+    ASSERT_GT(rod.advance(0.01, Vec3::Zero(), VecX::Zero(rod.dofs()), 0.01), 0);
+    for (Index e = 0; e < rod.beams(); ++e) {
+      ElementState s;
+      rod.element_state(e, s);
+      ASSERT_LT(std::abs(s.strain), 2 * centrifugal) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sutura::thread
