@@ -51,15 +51,16 @@ void Rod::build(const RodLayout& layout) {
     masses_.emplace_back(elements_.back());
   }
   twist_.assign(n - 1, 0);
-  start_twist_ = tension_ = twist_;
+  start_twist_ = tension_ = strain_ = strain_change_ = twist_;
   at_work_.assign(n, 0);
+  axial_moment_ = at_work_;
   start_rate_.assign(n, Vec3::Zero());
-  lever_ = start_rate_;
+  lever_ = chord_ = drift_ = start_rate_;
   states_.resize(n - 1);
   start_deformation_.resize(n - 1);
   in_step_ = false;
-  for (auto* v :
-       {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_, &force_})
+  for (auto* v : {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_,
+                  &from_, &force_})
     v->clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -73,13 +74,14 @@ void Rod::reserve(Index beams) {
   elements_.reserve(n);
   masses_.reserve(n);
   for (auto* poses : {&rest_, &pose_, &start_}) poses->reserve(n);
-  for (auto* reals : {&twist_, &start_twist_, &tension_, &at_work_}) reals->reserve(n);
-  start_rate_.reserve(n);
-  lever_.reserve(n);
+  for (auto* reals :
+       {&twist_, &start_twist_, &tension_, &strain_, &strain_change_, &at_work_, &axial_moment_})
+    reals->reserve(n);
+  for (auto* vectors : {&start_rate_, &lever_, &chord_, &drift_}) vectors->reserve(n);
   states_.reserve(n);
   start_deformation_.reserve(n);
-  for (auto* v :
-       {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_, &force_})
+  for (auto* v : {&velocity_, &load_, &start_velocity_, &motion_, &missing_, &change_, &answer_,
+                  &from_, &force_})
     v->reserve(6 * static_cast<Index>(n));
   matrix_.reserve(static_cast<Index>(n));
   work_.reserve(n);

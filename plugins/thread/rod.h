@@ -159,8 +159,9 @@ class Rod {
   void element_state(Index e, ElementState& s) const;
 
  private:
-  void take_guess(bool inertia);
-  void keep_lengths();
+  void aim();
+  void go_on(Real part);
+  bool goes_straight(Index node) const;
   void take_motion();
   void add_turning_moments();
   Vec3 lever(Index node) const;
@@ -180,7 +181,7 @@ class Rod {
   /// Forces below this share of the largest in the rod are taken for rounding where nothing else is
   /// at work.
   static constexpr Real negligible = 1e-6;
-  void predict_tension(const Dofs& step, Real part);
+  void predict_tension(Real part);
   void static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential);
 
   std::vector<Real> abscissa_;
@@ -206,10 +207,12 @@ class Rod {
   std::vector<Real> tension_;         ///< that the last pass predicted, N
   DofVector missing_;          ///< r: momentum due at the guess, without constraint forces (N s)
   std::vector<Real> at_work_;  ///< per node: sum of the sizes of the forces on it (N)
-  DofVector change_, answer_, force_;  ///< force_: of constraints, on the guess (N, N m)
-  std::vector<Vec3> lever_;            ///< per node, under the forces of the last pass (N m)
-  bool stuck_ = false;                 ///< less than a tenth of the last pass could be taken
-  Real last_turn_ = 0;                 ///< that the pass before asked of a beam (rad)
+  DofVector change_, answer_, from_, force_;  ///< force_: of constraints, on the guess (N, N m)
+  std::vector<Vec3> chord_, drift_;           ///< of aim and go_on: per beam, per node (m)
+  std::vector<Real> strain_, strain_change_;  ///< of aim, per beam
+  std::vector<Vec3> lever_;                   ///< per node, under the forces of the last pass (N m)
+  std::vector<Real> axial_moment_;            ///< likewise, about the tangent (N m)
+  bool stuck_ = false;                        ///< less than a tenth of the last pass could be taken
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
   BlockTridiagonal matrix_;

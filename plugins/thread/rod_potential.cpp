@@ -2,7 +2,6 @@
 // a minimum. Its value, and what to do where a guess is balanced but at a saddle.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "rod.h"
 
@@ -39,7 +38,8 @@ Real Rod::potential() const {
   sum -= load_.dot(motion_);
   for (Index i = 0; i < nodes(); ++i)
     sum -= force_.segment<3>(6 * i).dot(motion_.segment<3>(6 * i)) +
-           lever_[i].dot(tangent(pose_[i]) - tangent(start_[i]));
+           lever_[i].dot(tangent(pose_[i]) - tangent(start_[i])) +
+           axial_moment_[i] * motion_.segment<3>(6 * i + 3).dot(tangent(start_[i]));
   return sum;
 }
 
@@ -84,7 +84,6 @@ bool Rod::leave_saddle() {
     break;
   }
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
-  last_turn_ = std::numeric_limits<Real>::infinity();
   return true;
 }
 

@@ -2,7 +2,6 @@
 // (step.cpp).
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "rod.h"
 
@@ -23,57 +22,20 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
     }
     in_step_ = true;
   }
-  last_turn_ = std::numeric_limits<Real>::infinity();
   stuck_ = false;
-  take_guess(false);
+  motion_.setZero();
+  take_motion();
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
   // Going on as before is the better guess, unless it turns beams too far for anything to be
-  // linear.
+  // linear. A rod that nothing holds also falls.
   answer_ = dt * start_velocity_;
-  if (largest_turn(start_, answer_) < turn_limit) take_guess(true);
-}
-
-/// The guess: no motion at all, or that of the step before; a rod that nothing holds also falls.
-void Rod::take_guess(bool inertia) {
-  motion_.setZero();
-  if (inertia) {
-    motion_ = dt_ * start_velocity_;
-    const bool held =
-        pushed_ || !clamped_.empty() ||
-        std::any_of(springs_.begin(), springs_.end(), [](const NodeSpring& s) { return s.active; });
-    for (Index i = 0; i < nodes() && !held; ++i) motion_.segment<3>(6 * i) += dt_ * dt_ * gravity_;
-    keep_lengths();
-  }
-  take_motion();
-}
-
-/// Straight on, nodes of a turning beam drift apart: by theta^2/2 of its length, times EA. So the
-/// guess turns the beams as the velocities say and joins them again, where they are held or else
-/// where they are on the whole.
-void Rod::keep_lengths() {
-  Vec3 moved = motion_.segment<3>(0);
-  Vec3 end = start_[0].position + moved;  // of the beams joined so far
-  Vec3 drift = Vec3::Zero();              // sum over the nodes
-  Index anchor = -1;
-  for (const NodeSpring& s : springs_)
-    if (s.active && anchor < 0) anchor = s.node;
-  if (!clamped_.empty()) anchor = clamped_.front();
-  Vec3 at_anchor = Vec3::Zero();
-  for (Index e = 0; e < beams(); ++e) {
-    const Vec3 chord = start_[e + 1].position - start_[e].position;
-    const Vec3 next = motion_.segment<3>(6 * e + 6), change = next - moved;
-    const Real squared = chord.squaredNorm();
-    const Vec3 turn = chord.cross(change) / squared;
-    const Real stretch = 1 + chord.dot(change) / squared;
-    end += stretch * (rotated(Quat::Identity(), turn) * chord);
-    moved = next;
-    const Vec3 off = end - start_[e + 1].position - next;
-    drift += off;
-    if (e + 1 == anchor) at_anchor = off;
-    motion_.segment<3>(6 * e + 6) += off;
-  }
-  const Vec3 back = anchor < 0 ? Vec3(drift / static_cast<Real>(nodes())) : at_anchor;
-  for (Index i = 0; i < nodes(); ++i) motion_.segment<3>(6 * i) -= back;
+  const bool held =
+      pushed_ || !clamped_.empty() ||
+      std::any_of(springs_.begin(), springs_.end(), [](const NodeSpring& s) { return s.active; });
+  for (Index i = 0; i < nodes() && !held; ++i) answer_.segment<3>(6 * i) += dt * dt * gravity;
+  if (largest_turn(start_, answer_) > turn_limit) return;
+  aim();
+  go_on(1);
 }
 
 /// states_, missing_ and at_work_ at the guess.
@@ -278,19 +240,6 @@ bool Rod::linearise(const Dofs& force) {
   return true;
 }
 
-/// Tension after `part` of the step (m, rad) from the guess: the linear prediction, which is free
-/// of the second-order stretch of a finite rotation.
-void Rod::predict_tension(const Dofs& step, Real part) {
-  Vec9 change;
-  for (Index e = 0; e < beams(); ++e) {
-    const ElementState& s = states_[e];
-    change << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e), step.segment<3>(6 * e + 3),
-        step.segment<3>(6 * e + 9);
-    const Real to = s.tension + elements_[e].axial * strain_gradient(elements_[e], s).dot(change);
-    tension_[e] += part * (to - tension_[e]);
-  }
-}
-
 namespace {
 
 /// The change of a section's turn (sutura::thread::turned) by which it spins a little further: the
@@ -309,7 +258,10 @@ Vec3 as_change_of_turn(const Vec3& turn, const Vec3& from, const Vec3& to, const
 
 void Rod::correct(const Dofs& force_change) {
   force_ += force_change;
-  for (Index i = 0; i < nodes(); ++i) lever_[i] = lever(i);
+  for (Index i = 0; i < nodes(); ++i) {
+    lever_[i] = lever(i);
+    axial_moment_[i] = force_.segment<3>(6 * i + 3).dot(tangent(pose_[i]));
+  }
   answer_ = force_change;
   for (const Index node : clamped_) answer_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(answer_));
@@ -317,24 +269,22 @@ void Rod::correct(const Dofs& force_change) {
   answer_ = dt_ * change_;
   const Real turn = largest_turn(pose_, answer_);
   Real part = std::min(1., turn_limit / turn);
-  predict_tension(answer_, part);
+  aim();
+  predict_tension(part);
   for (Index i = 0; i < nodes(); ++i) {
     Eigen::Ref<Vec3> spin = answer_.segment<3>(6 * i + 3);
     spin = as_change_of_turn(motion_.segment<3>(6 * i + 3), tangent(start_[i]), tangent(pose_[i]),
                              spin);
   }
-  // Passes may lift the potential on their best way, as long as they contract: a turn fakes
-  // stretch, which the next pass takes back. Where they do not, only what lowers it is taken.
-  const bool contracts = turn < 0.5 * last_turn_ || turn < 1e-3;
-  const Real before = contracts ? 0 : potential();
-  motion_ += part * answer_;
-  take_motion();
-  for (int cut = 0; cut < 12 && !contracts && !(potential() <= before); ++cut, part /= 2) {
-    motion_ -= part / 2 * answer_;
-    take_motion();
+  // Only what lowers the potential is taken; below a milliradian its changes drown in rounding.
+  const bool small = turn < 1e-3;
+  const Real before = small ? 0 : potential();
+  go_on(part);
+  for (int cut = 0; cut < 12 && !small && !(potential() <= before); ++cut) {
+    part /= 2;
+    go_on(part);
   }
-  stuck_ = !contracts && part < 0.1;
-  last_turn_ = turn;
+  stuck_ = !small && part < 0.1;
 }
 
 void Rod::guess(const VecX& motion) {

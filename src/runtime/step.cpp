@@ -91,8 +91,9 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) return false;
     if (!balanced || context.pass < least) {
+      // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
-      if (better_guess_->move_on(context)) build(context, timer);
+      if (problem_.rows() > 0 && better_guess_->move_on(context)) build(context, timer);
       continue;
     }
     better_guess_->forget();

@@ -1,0 +1,95 @@
+#include "runtime/better_guess.h"
+
+#include <gtest/gtest.h>
+
+namespace sutura {
+namespace {
+
+/// A body that is moved from outside alone.
+class Point : public Body {
+ public:
+  explicit Point(Index dofs) : x(VecX::Zero(dofs)) {}
+  VecX x;
+  Index dofs() const override { return x.size(); }
+  int width() const override { return 3; }
+  void motion(VecX& out) const override { out = x; }
+  void move_to(const StepContext&, const VecX& motion) override { x = motion; }
+  void begin_step(const StepContext&) override {}
+  void linearise(const StepContext&, const VecX&) override {}
+  Eigen::Ref<const VecX> change() const override { return x; }
+  void solve(Eigen::Ref<MatX>) const override {}
+  void correct(const StepContext&, const VecX&) override {}
+  Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
+  void end_step(const StepContext&, const VecX&) override {}
+  Vec3 momentum() const override { return Vec3::Zero(); }
+  Real mass() const override { return 0; }
+  Real energy() const override { return 0; }
+  bool finite() const override { return true; }
+  BodyGeometry geometry() const override { return {}; }
+};
+
+/// Passes of x -> T (x - end) + end with T = Q diag(factors) Q^-1, and how far from its end the
+/// last one leaves x.
+Real left_after(int passes, const VecX& factors, bool with_help) {
+  const Index n = factors.size();
+  Point point(n);
+  std::vector<Simulation::NamedBody> bodies{{"point", &point}};
+  BetterGuess better(bodies);
+  better.forget();
+  MatX q = MatX::Identity(n, n);
+  for (Index i = 0; i + 1 < n; ++i) q(i, i + 1) = 0.3;
+  const MatX T = q * factors.asDiagonal() * q.inverse();
+  const VecX end = VecX::LinSpaced(n, 1, 2);
+  const StepContext context{.dt = 0.01, .time = 0, .step = 0, .gravity = Vec3::Zero()};
+  Real left = 0;
+  for (int i = 0; i < passes; ++i) {
+    better.begin_pass({0});
+    point.x = end + T * (point.x - end);
+    left = (point.x - end).norm();
+    if (with_help) better.move_on(context);
+  }
+  return left;
+}
+
+VecX factors(std::initializer_list<Real> slow) {
+  VecX f = VecX::Zero(6);
+  std::copy(slow.begin(), slow.end(), f.data());
+  return f;
+}
+
+// With m slow directions and no others, m + 1 passes tell all there is to know; the first two go by
+// without help.
+TEST(BetterGuess, EndsWhatSwingsOrGrows) {
+  for (const Real factor : {-1.0, -1.5, 0.9, 1.3}) {
+    EXPECT_GT(left_after(5, factors({factor}), false), 0.5) << factor;
+    EXPECT_LT(left_after(5, factors({factor}), true), 1e-9) << factor;
+  }
+  EXPECT_LT(left_after(7, factors({-0.95, 0.8}), true), 1e-7);
+  EXPECT_LT(left_after(12, factors({-1.1, 0.9, -0.6}), true), 1e-5);
+}
+
+TEST(BetterGuess, LeavesGoodPassesAlone) {
+  const VecX good = factors({0.2, -0.1});
+  EXPECT_EQ(left_after(6, good, true), left_after(6, good, false));
+}
+
+TEST(BetterGuess, ABodyThatRestsIsNotMoved) {
+  Point moves(3), rests(3);
+  rests.x << 1, 2, 3;
+  std::vector<Simulation::NamedBody> bodies{{"moves", &moves}, {"rests", &rests}};
+  BetterGuess better(bodies);
+  const StepContext context{.dt = 0.01, .time = 0, .step = 0, .gravity = Vec3::Zero()};
+  const VecX before = rests.x;
+  bool moved = false;
+  for (int i = 0; i < 4; ++i) {
+    better.begin_pass({0, 1});
+    moves.x = -moves.x + VecX::Ones(3);
+    moved = better.move_on(context) || moved;
+  }
+  EXPECT_TRUE(moved);
+  EXPECT_EQ(rests.x, before);
+  EXPECT_LT((moves.x - VecX::Constant(3, 0.5)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace sutura
