@@ -40,14 +40,12 @@ void Footprint::archive(Archive& a) {
     each("triangle", p.triangle);
   });
   a("offset", offset_);
-  a("normal", normal_);
   a("compliance", compliance_);
 }
 
 void Footprint::find(const SurfacePoint& surface) {
   points_.assign(1, surface);
   offset_.setZero();
-  normal_ = surface.normal;
   compliance_ = 0;
 }
 
@@ -81,13 +79,10 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real 
   Vec3 mean = Vec3::Zero();
   for (const SurfacePoint& p : points_) mean += p.position / static_cast<Real>(points_.size());
   offset_ = surface.position - mean;
-  normal_ = normal(tissue, Configuration::start);
 }
 
-void Footprint::keep(const SolidBody& tissue) {
-  const Vec3 before = normal_;
-  normal_ = normal(tissue, Configuration::start);
-  offset_ = shortest_rotation(before, normal_) * offset_;
+void Footprint::put_under(const Vec3& tip, const SolidBody& tissue) {
+  offset_ += tip - position(tissue, Configuration::start);
 }
 
 Vec3 Footprint::position(const SolidBody& tissue, Configuration c) const {

@@ -24,9 +24,9 @@ class Footprint {
             Real shaft_radius, Real force);
   /// A single point, without compliance.
   void find(const SurfacePoint& surface);
-  /// Instead of `find`, where the tip still presses: the same points of the tissue, which has
-  /// turned.
-  void keep(const SolidBody& tissue);
+  /// After `find`, where the tip presses already: the point under the tip is there (m, at the start
+  /// of the step), so that the gap goes on where it was although the tissue has bent.
+  void put_under(const Vec3& tip, const SolidBody& tissue);
 
   void archive(Archive& archive);
 
@@ -41,9 +41,7 @@ class Footprint {
 
  private:
   std::vector<SurfacePoint> points_;  ///< of equal weight
-  Vec3 offset_ = Vec3::Zero();        ///< from their mean to the point under the tip, at the start
-                                      ///< of the step
-  Vec3 normal_ = Vec3::UnitZ();       ///< mean, then
+  Vec3 offset_ = Vec3::Zero();        ///< from their mean to the point under the tip
   Real compliance_ = 0;
 };
 

@@ -103,30 +103,32 @@ void Puncture::archive(Archive& a) {
 
 /// What the tip faces is found where the step begins and kept; passes only follow it.
 void Puncture::detect(const StepContext& context) {
-  bool same = false;
+  std::optional<Vec3> pressed_at;
   if (context.pass == 0) {
     const bool inside = path_->channel().tip_inside();
-    same = find_front();
+    pressed_at = find_front();
     const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
   if (front_ == Front::none || front_ == Front::overrun) return;
-  if (context.pass == 0 && !same) {
+  if (context.pass == 0) {
     if (front_ == Front::layer)
       footprint_.find(touched_);
     else
       footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
                       threshold_of_front());
+    if (pressed_at) footprint_.put_under(*pressed_at, path_->tissue());
   }
   follow_front();
 }
 
-/// What the tip faces at the start of the step. True if that is where it pressed already and has
-/// not slid: then the footprint stays where it is in the tissue. Sought anew, the tip of a tent
-/// would be found now before, now behind one of its few facets, and the tent be let go.
-bool Puncture::find_front() {
+/// What the tip faces at the start of the step. Where it presses already and has not slid, that is
+/// the same point of the tissue, and the answer is where the footprint stood under the tip: sought
+/// anew, the tip of a tent would be found now before, now behind one of its few facets, and the
+/// tent be let go.
+std::optional<Vec3> Puncture::find_front() {
   const Front before = front_;
   const SurfacePoint pressed = touched_;
   front_ = Front::none;
@@ -136,17 +138,17 @@ bool Puncture::find_front() {
     front_ = find_exit();
     if (front_ == Front::none) front_ = find_layer();
   }
-  if (!presses_) return false;
+  if (!presses_) return std::nullopt;
   const Vec3 was = footprint_.position(path_->tissue(), Configuration::start);
   const Real slid = (path_->thread().point(0, Configuration::start) - was).norm();
-  if (front_ == before && (touched_.position - was).norm() < as_far * slid) return false;
+  if (front_ == before && (touched_.position - was).norm() < as_far * slid) return std::nullopt;
   front_ = before;
-  touched_ = pressed;
-  touched_.position = was;
-  touched_.normal = footprint_.normal(path_->tissue(), Configuration::start);
+  touched_.at = pressed.at;
+  touched_.triangle = pressed.triangle;
+  touched_.position = path_->tissue().position(pressed.at, Configuration::start);
+  touched_.normal = path_->tissue().surface_normal(pressed.triangle, Configuration::start);
   if (front_ == Front::exit) touched_.normal *= -1;
-  footprint_.keep(path_->tissue());
-  return true;
+  return was;
 }
 
 Real Puncture::threshold_of_front() const {

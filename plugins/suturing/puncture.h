@@ -2,6 +2,8 @@
 // section 4.2).
 #pragma once
 
+#include <optional>
+
 #include "cutting.h"
 #include "footprint.h"
 #include "path_friction.h"
@@ -30,7 +32,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface
   /// from inside; or nothing, because it got in without a puncture.
   enum class Front { none, entry, layer, exit, overrun };
-  bool find_front();
+  std::optional<Vec3> find_front();
   Front find_entry();
   Front find_exit();
   Front find_layer();

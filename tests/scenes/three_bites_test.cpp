@@ -30,7 +30,8 @@ Table run() {
 
 /// The puller lifts the needle straight up and the thread behind it slides through every bite: the
 /// force on the puller is mu p times the surface inside, whatever the corners. The mean is met
-/// within 3 % (1.5 % was seen; damping of the bending at the mouths is part of it). A single step
+/// within 3 % (0.2 % through one bite and 2.3 % through two were seen, whatever the step: what is
+/// left is that of beams and samples at the mouths). A single step
 /// may be off by 20 %: rows hold the material that the last slip predicts, and while the slip
 /// changes by a h^2 = 0.02 mm a step they pull 0.02 rad aslant, of the ten times larger force
 /// across the thread.
@@ -53,8 +54,7 @@ void expect_pull_is_friction(const Table& t, double from, double to) {
   EXPECT_NEAR(sum / slides, 1, 0.03) << "from " << from;
 }
 
-// Takes minutes and has not been judged since the step is solved in passes: disabled.
-TEST(ThreeBites, DISABLED_TheThreadSlidesThroughAllOfThem) {
+TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
   const Table t = run();
   const std::size_t last = t.rows.size() - 1;
   EXPECT_EQ(t.number(last, "puncture.punctures") + t.number(last, "puncture.overruns"), 6)
