@@ -183,6 +183,7 @@ void Rod::archive(Archive& a) {
   a("twist", twist_);
   velocity_.archive(a, "velocity");
   a("pushed", pushed_);
+  force_.archive(a, "force");  // the first guess asks which nodes are pushed
   a.list("springs", springs_, [](Archive& each, NodeSpring& s) {
     each("node", s.node);
     each("active", s.active);
@@ -191,7 +192,7 @@ void Rod::archive(Archive& a) {
     each("rotation", s.stiffness.rotation);
     each("applied", s.applied);
   });
-  if (pose_.size() != nodes || velocity_.size() != 6 * static_cast<Index>(nodes) ||
+  if (pose_.size() != nodes || velocity_.size() != dofs() || force_.size() != dofs() ||
       twist_.size() + 1 != nodes || springs_.size() != springs)
     a.fail("the state of another thread");
   for (const NodeSpring& s : springs_)

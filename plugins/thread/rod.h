@@ -212,6 +212,8 @@ class Rod {
   std::vector<Real> strain_, strain_change_;  ///< of aim, per beam
   std::vector<Vec3> lever_;                   ///< per node, under the forces of the last pass (N m)
   std::vector<Real> axial_moment_;            ///< likewise, about the tangent (N m)
+  Index straight_places_ = 0;                 ///< of aim: nodes that go straight on
+  Real last_turn_ = 0;                        ///< that the pass before asked of a beam (rad)
   bool stuck_ = false;                        ///< less than a tenth of the last pass could be taken
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;

@@ -2,6 +2,7 @@
 // a minimum. Its value, and what to do where a guess is balanced but at a saddle.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rod.h"
 
@@ -84,6 +85,7 @@ bool Rod::leave_saddle() {
     break;
   }
   for (Index e = 0; e < beams(); ++e) tension_[e] = states_[e].tension;
+  last_turn_ = std::numeric_limits<Real>::infinity();
   return true;
 }
 

@@ -2,6 +2,7 @@
 // (step.cpp).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rod.h"
 
@@ -22,6 +23,7 @@ void Rod::begin_step(Real dt, const Vec3& gravity) {
     }
     in_step_ = true;
   }
+  last_turn_ = std::numeric_limits<Real>::infinity();
   stuck_ = false;
   motion_.setZero();
   take_motion();
@@ -276,15 +278,19 @@ void Rod::correct(const Dofs& force_change) {
     spin = as_change_of_turn(motion_.segment<3>(6 * i + 3), tangent(start_[i]), tangent(pose_[i]),
                              spin);
   }
-  // Only what lowers the potential is taken; below a milliradian its changes drown in rounding.
-  const bool small = turn < 1e-3;
-  const Real before = small ? 0 : potential();
+  // Only what lowers the potential is taken; below a milliradian its changes drown in rounding. But
+  // between two places that go straight on, a turn fakes stretch (go_on), which the next pass takes
+  // back: there passes may lift the potential as long as they contract.
+  const bool contracts = straight_places_ > 1 && turn < 0.5 * last_turn_;
+  const bool free = contracts || turn < 1e-3;
+  const Real before = free ? 0 : potential();
   go_on(part);
-  for (int cut = 0; cut < 12 && !small && !(potential() <= before); ++cut) {
+  for (int cut = 0; cut < 12 && !free && !(potential() <= before); ++cut) {
     part /= 2;
     go_on(part);
   }
-  stuck_ = !small && part < 0.1;
+  stuck_ = !free && part < 0.1;
+  last_turn_ = turn;
 }
 
 void Rod::guess(const VecX& motion) {
@@ -321,6 +327,10 @@ Imbalance Rod::imbalance(const Dofs& force) const {
 
 void Rod::end_step(const Dofs& force) {
   pushed_ = force.size() > 0 && !force.isZero(0);
+  if (pushed_)
+    force_ = force;
+  else
+    force_.setZero();
   for (NodeSpring& spring : springs_)
     if (spring.active) spring.applied = spring_wrench(spring);
   in_step_ = false;

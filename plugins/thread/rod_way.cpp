@@ -8,6 +8,8 @@ namespace sutura::thread {
 /// Where the beams are at the guess, and how their strain is to change by the answer.
 void Rod::aim() {
   from_ = motion_;
+  straight_places_ = 0;
+  for (Index i = 0; i < nodes(); ++i) straight_places_ += goes_straight(i);
   Vec9 change;
   for (Index e = 0; e < beams(); ++e) {
     const ElementState& s = states_[e];
