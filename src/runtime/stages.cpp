@@ -42,10 +42,10 @@ void Simulation::detect(const StepContext& context) {
     for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
     if (part >= 1 || look > most_looks) return;
     if (look == most_looks) part = 0;  // back to the start, which was free
-    for (const NamedBody& b : bodies_) {
-      ask(b.body).motion(motion_);
-      motion_ *= part;
-      b.body->move_to(context, motion_);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      ask(bodies_[i].body).motion(motion_[i]);
+      motion_[i] *= part;
+      bodies_[i].body->move_to(context, motion_[i]);
     }
   }
 }
