@@ -2,7 +2,7 @@
 // file of a test program. Absent under sanitizers, which have a heap of their own.
 #pragma once
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef SUTURA_SANITIZED
 #define SUTURA_COUNTS_ALLOCATIONS
 
 #include <link.h>

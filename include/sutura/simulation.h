@@ -198,8 +198,8 @@ class Simulation {
   std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
   Real violation_ = 0;                ///< likewise
   std::unique_ptr<BetterGuess> better_guess_;
-  VecX motion_;           ///< memory of `detect`
-  std::string identity_;  ///< of scene, files and build: what a state must agree with
+  std::vector<VecX> motion_;  ///< memory of `detect`
+  std::string identity_;      ///< of scene, files and build: what a state must agree with
   GrowingVec lambda_before_;
   const Component* asked_ = nullptr;  ///< the component at work
   StepReport report_;

@@ -43,7 +43,7 @@ void RigidTool::initialise(Setup& setup) {
   }
   shape_ = {.kind = kind_, .radius = radius_, .half_length = length_ / 2, .half_size = size_ / 2};
   if (kind_ == Shape::Kind::sphere) shape_.half_length = 0;
-  const Quat laid = Quat::FromTwoVectors(Vec3::UnitZ(), axis_);
+  const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
   const Real angle = rotation_.norm();
   const Quat turned =
       angle > 0 ? Quat(Eigen::AngleAxis<Real>(angle, rotation_ / angle)) : Quat(Quat::Identity());

@@ -18,8 +18,12 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   worker_lost_ = false;
   adoptions_.clear();
   adoptions_.reserve(4096);
-  recent_.clear();
   pattern_ = std::move(pattern);
+  const Index n = 3 * pattern_->nodes();
+  pcg_.reserve(n);
+  recent_.reset(n);
+  single_x_.resize(n);
+  for (VecX* v : {&asked_, &answered_}) v->resize(n);
   fixed_.assign(fixed.begin(), fixed.end());
   candidates_.reset(pattern_, fixed, candidates);
   plan_ = make_factor_plan(pattern_, fixed_, candidates_.chosen(), options_.backend);

@@ -31,10 +31,9 @@ void RecentSolutions::archive(Archive& a) {
   a("next", next_);
   if (!a.restoring() || !a.ok()) return;
   if (known.cols() > most || next_ < 0 || next_ >= most) return a.fail("too many solutions");
+  if (known.rows() != x_.rows()) return a.fail("solutions of another mesh");
   count_ = known.cols();
   products_ = 0;
-  x_.resize(known.rows(), most);
-  Ax_.resize(known.rows(), most);
   x_.leftCols(count_) = known;
 }
 

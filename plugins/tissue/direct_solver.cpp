@@ -11,6 +11,8 @@ void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
                                 std::span<const char> fixed, std::span<const Index> candidates) {
   fixed_.assign(fixed.begin(), fixed.end());
   number_.resize(static_cast<std::size_t>(pattern->nodes()));
+  x_.resize(3 * pattern->nodes());
+  for (VecX* v : {&in_, &out_}) v->resize(3 * pattern->nodes());
   candidates_.reset(pattern, fixed, candidates);
   plan_ = make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_);
   adopt_plan();

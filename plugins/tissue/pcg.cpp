@@ -59,6 +59,13 @@ void WarpedFactor::apply(Eigen::Ref<MatX> columns) const {
     }
 }
 
+void Pcg::reserve(Index n) {
+  for (GrowingMat* m : {&r_, &z_, &p_}) m->resize(n, 1);
+  for (GrowingVec* v : {&rz_, &norm_b_}) v->resize(1);
+  for (VecX* v : {&in_, &out_}) v->resize(n);
+  column_.reserve(1);
+}
+
 /// Column c is finished: the last active one takes its place.
 void Pcg::drop(Index c, Index& active) {
   --active;
@@ -149,6 +156,12 @@ PcgReport Pcg::solve(const NodeMatrix& A, std::span<const char> fixed, const Pre
   return report;
 }
 
+void RecentSolutions::reset(Index n) {
+  for (MatX* m : {&x_, &Ax_}) m->resize(n, most);
+  for (VecX* v : {&in_, &out_}) v->resize(n);
+  count_ = next_ = products_ = 0;
+}
+
 void RecentSolutions::multiply(const NodeMatrix& A, std::span<const char> fixed, Index column) {
   in_ = x_.col(column);
   A.multiply(in_, out_);
@@ -185,11 +198,7 @@ bool RecentSolutions::start(const NodeMatrix& A, std::span<const char> fixed, co
 }
 
 void RecentSolutions::add(const NodeMatrix& A, std::span<const char> fixed, const VecX& x) {
-  if (x_.rows() != x.size()) {
-    x_.resize(x.size(), most);
-    Ax_.resize(x.size(), most);
-    clear();
-  }
+  assert(x.size() == x_.rows());
   if (!x.allFinite() || x.isZero(0)) return;
   x_.col(next_) = x;
   if (products_ > next_) multiply(A, fixed, next_);

@@ -55,6 +55,8 @@ struct PcgReport {
 
 class Pcg {
  public:
+  /// Room for one right-hand side of size n.
+  void reserve(Index n);
   /// x <- A^-1 b within |b - A x| <= tolerance |b| per column, starting from x if `start_from_x`,
   /// else from zero. Rows of fixed nodes of b are ignored, those of x end as zero. Stops early, not
   /// converged, when A or P turns out not to be positive definite or not finite.
@@ -76,7 +78,8 @@ class Pcg {
 class RecentSolutions {
  public:
   static constexpr Index most = 6;
-  void clear() { count_ = next_ = 0; }
+  /// Forgets them all; those to come have size n.
+  void reset(Index n);
   /// The products with A have to be made anew.
   void matrix_changed() { products_ = 0; }
   /// x <- sum c_k x_k with the least |x - A^-1 b|_A. False, x untouched, if there is nothing yet.

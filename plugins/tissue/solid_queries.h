@@ -47,6 +47,12 @@ class SolidQueries {
     tets_fitted_ = triangles_fitted_ = false;
   }
 
+  /// Refits at once: what comes after it allocates nothing.
+  void fit() const {
+    fit_tets();
+    fit_triangles();
+  }
+
   const SolidTopology& topology() const { return *topology_; }
   TriangleSurface surface() const {
     return {topology_->triangles_, {x_->data(), static_cast<std::size_t>(x_->size())}, generation_};

@@ -129,6 +129,7 @@ void Tissue::initialise(Setup& setup) {
 /// Every Layer and Attach has spoken.
 void Tissue::ready(Setup& setup) {
   step_->prepare(setup.dt);
+  for (const SolidQueries& q : queries_) q.fit();
 }
 
 void Tissue::archive(Archive& a) {

@@ -30,6 +30,7 @@ void TissueStep::prepare(Real dt) {
   model_.held.clear_fixed(v_);
   solver_.analyse(A_.pattern(), model_.held.fixed(), {});
   assemble(dt, 0);
+  A_.multiply(v_, change_);  // the product finds its memory; every pass sets the change anew
 }
 
 std::string TissueStep::trouble() const {

@@ -8,7 +8,9 @@ BetterGuess::BetterGuess(const Bodies& bodies) : bodies_(bodies) {
   for (Pass& p : passes_) {
     for (const auto& b : bodies_) p.from.push_back(VecX::Zero(b.body->dofs()));
     p.to = p.from;
+    p.rests.resize(bodies_.size());
   }
+  guess_ = passes_[0].to;
 }
 
 void BetterGuess::forget() {
@@ -66,10 +68,10 @@ bool BetterGuess::move_on(const StepContext& context) {
   if (!c.allFinite()) return false;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (newest.rests[i]) continue;
-    guess_ = newest.to[i];
+    guess_[i] = newest.to[i];
     for (Index j = 1; j < n; ++j)
-      guess_ += c[j - 1] * (passes_[static_cast<std::size_t>(j)].to[i] - newest.to[i]);
-    bodies_[i].body->move_to(context, guess_);
+      guess_[i] += c[j - 1] * (passes_[static_cast<std::size_t>(j)].to[i] - newest.to[i]);
+    bodies_[i].body->move_to(context, guess_[i]);
   }
   return true;
 }

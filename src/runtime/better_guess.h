@@ -39,8 +39,8 @@ class BetterGuess {
   const Bodies& bodies_;
   std::array<Pass, memory> passes_;  ///< the newest first
   std::size_t known_ = 0;
-  bool slow_ = false;  ///< in this step
-  VecX guess_;
+  bool slow_ = false;        ///< in this step
+  std::vector<VecX> guess_;  ///< per body
 };
 
 }  // namespace sutura

@@ -101,6 +101,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->imbalance_.emplace_back();
       s->settled_.push_back(0);
       s->body_force_.push_back(VecX::Zero(body->dofs()));
+      s->motion_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
     if (auto* solver = dynamic_cast<ConstraintSolver*>(c)) {
@@ -138,9 +139,9 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
 
 /// Bodies that are to begin in balance: under what the drivers say of time 0.
 bool Simulation::settle(Diagnostics& diagnostics) {
+  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   const auto wants = [](const NamedBody& b) { return b.body->wants_settling(); };
   if (std::none_of(bodies_.begin(), bodies_.end(), wants)) return true;
-  for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   try {
     for (Driver* driver : drivers_) ask(driver).drive({.dt = 0, .gravity = scene_->gravity});
     for (const NamedBody& b : bodies_) {

@@ -1,4 +1,5 @@
 // The time step: what happens, in which order. docs/step.md explains each stage.
+// What a stage does that takes more than a few lines is in stages.cpp.
 #include <algorithm>
 #include <cmath>
 
@@ -54,17 +55,6 @@ void Simulation::take_step(Timer& timer) {
   }
 }
 
-void Simulation::begin_report() {
-  report_.passes = 0;
-  report_.parts = 1;
-  report_.solved = report_.finite = true;
-  report_.violation = 0;
-  report_.solve = {};
-  report_.messages.clear();
-  report_.faults.clear();
-  for (BodyReport& b : report_.bodies) b.imbalance = {};
-}
-
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both
 /// as measured there. False if the passes do not get that far.
 bool Simulation::balance(StepContext context, Timer& timer) {
@@ -112,13 +102,6 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   return false;
 }
 
-/// Balanced is not enough where a body can go lower. False if none can.
-bool Simulation::leave_saddles() {
-  bool left = false;
-  for (const NamedBody& b : bodies_) left = ask(b.body).leave_saddle() || left;
-  return left;
-}
-
 /// One linearisation of all that is not settled about the present guess, and the next guess.
 void Simulation::pass(const StepContext& context, Timer& timer) {
   // Every body alone: A dv = what its balance lacks under the present forces; where that leads the
@@ -159,30 +142,6 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   problem_.lambda.swap(lambda_before_);
 }
 
-/// body_force_ of one body <- H^T lambda.
-void Simulation::constraint_force(std::size_t body) {
-  body_force_[body].setZero(bodies_[body].body->dofs());
-  problem_.bodies[body].add_transposed(problem_.lambda, body_force_[body]);
-}
-
-/// What may touch at the present guess. Where a source finds the way to it barred, the guess goes
-/// back to the part of the way that is free.
-void Simulation::detect(const StepContext& context) {
-  constexpr int most_looks = 8;
-  for (int look = 0;; ++look) {
-    for (ConstraintSource* source : sources_) ask(source).detect(context);
-    Real part = 1;
-    for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
-    if (part >= 1 || look > most_looks) return;
-    if (look == most_looks) part = 0;  // back to the start, which was free
-    for (const NamedBody& b : bodies_) {
-      ask(b.body).motion(motion_);
-      motion_ *= part;
-      b.body->move_to(context, motion_);
-    }
-  }
-}
-
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
 void Simulation::build(const StepContext& context, Timer& timer) {
   timer.enter(Stage::detect);
@@ -195,74 +154,6 @@ void Simulation::build(const StepContext& context, Timer& timer) {
   report_.blocks = static_cast<Index>(problem_.blocks.size());
   report_.rows = problem_.rows();
   check_rows(problem_, *scene_);
-}
-
-/// Momentum and violation of the present guess, with rows and forces as they are there. Where the
-/// gaps are good, a body well within the tolerance stays as it is in the next pass, which is for
-/// the others: often the thread alone, at a hundredth of the cost of the tissue. What changes of
-/// the forces on it counts in its balance.
-bool Simulation::measure(const StepContext& context) {
-  const StepLimits& limits = scene_->limits;
-  violation_ = law_check_->measure(problem_).violation;
-  bool good = violation_ <= limits.gap_tolerance;
-  const bool close = violation_ <= limits.gap_tolerance / 2;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    constraint_force(i);
-    imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);
-    good = good && imbalance_[i].relative <= limits.tolerance;
-    settled_[i] = close && imbalance_[i].relative <= limits.tolerance / 20;
-    violation_ += 0 * imbalance_[i].relative;  // not finite if any is
-  }
-  return good;
-}
-
-/// The guess becomes the end of the step. The only place where topology and the number of rows may
-/// change.
-void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
-  timer.enter(Stage::commit);
-  builder_->accept();
-  report_.solved = report_.solved && solved;
-  report_.violation = std::max(report_.violation, violation_);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    Body& body = ask(bodies_[i].body);
-    Imbalance& worst = report_.bodies[i].imbalance;
-    if (!(imbalance_[i].relative <= worst.relative)) worst = imbalance_[i];
-    Work& work = report_.bodies[i].work;
-    work.constraints += context.dt * body.power(body_force_[i]);
-    work.loads += context.dt * body.power(body.load());
-    body.end_step(context, body_force_[i]);
-    work.holds += context.dt * body.held_power();
-    report_.finite = report_.finite && body.finite();
-    const std::string trouble = body.trouble();
-    if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
-    note_fault(bodies_[i].path, body.fault());
-  }
-  if (!report_.finite) return;  // a state that is not finite is not searched
-  const SolvedBlocks blocks(problem_);
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    ask(sources_[i]).commit(context, blocks);
-    note_fault(source_paths_[i], sources_[i]->fault());
-  }
-}
-
-/// Once for a component and step, also where the step is divided.
-void Simulation::note_fault(const std::string& path, const std::string& fault) {
-  const auto is_known = [&](const std::string& other) { return other.starts_with(path + ": "); };
-  if (!fault.empty() && std::none_of(report_.faults.begin(), report_.faults.end(), is_known))
-    report_.faults.push_back(path + ": " + fault);
-}
-
-Imbalance StepReport::worst_imbalance() const {
-  Imbalance worst;
-  for (const BodyReport& b : bodies)
-    if (!(b.imbalance.relative <= worst.relative)) worst = b.imbalance;
-  return worst;
-}
-
-double StepReport::total_seconds() const {
-  double sum = 0;
-  for (const double s : seconds) sum += s;
-  return sum;
 }
 
 }  // namespace sutura

@@ -155,6 +155,9 @@ void SceneReader::read_settings(const XmlElement& root) {
         complain(in_quotes(value.text) + " is not supported; this program reads version 1");
     } else if (value.name == "dt") {
       read(scene_.dt, "s", dt_range);
+      if (scene_.dt > 0.2)  // s; from 1 to 20 ms as a rule
+        diagnostics_.warning(value.location, "",
+                             "dt is " + format_real(scene_.dt) + " s; is the unit right?");
     } else if (value.name == "duration") {
       read(scene_.duration, "s", duration_range);
     } else if (value.name == "tolerance") {
@@ -175,8 +178,7 @@ void SceneReader::read_settings(const XmlElement& root) {
       else
         scene_.gravity = Vec3((*g)[0], (*g)[1], (*g)[2]);
     } else {
-      const bool overridden = value.location.line == 0;  // said better with the other --set errors
-      if (!overridden)
+      if (value.location.line > 0)  // else it is said better with the other --set errors
         error(value.location, "",
               "<sutura> has no attribute '" + shortened(value.name) + "'" +
                   did_you_mean(value.name, settings));

@@ -11,6 +11,7 @@ namespace sutura {
 ConstraintBuilder::ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies)
     : problem_(problem), bodies_(std::move(bodies)) {
   problem_.bodies.resize(bodies_.size());
+  for (BodyRows& rows : problem_.bodies) rows.clear();
 }
 
 namespace {

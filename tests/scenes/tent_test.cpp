@@ -15,7 +15,8 @@ TextRun pushed(const std::string& dt, const std::string& cells) {
     <DirectSolver/><Tissue young='40 kPa' poisson='0.4' density='1000' damping_stiffness='10 ms'/>
     <Attach box='-4 -5 -10 4 5 -10 mm'/>
     <SutureThread name='suture' needle_length='20 mm' needle_angle='0' needle_diameter='0.4 mm'
-                  thread_length='20 mm' thread_beams='10' tip='-5.1 0.3 -4.2 mm' tip_direction='1 0 0'/>
+                  thread_length='20 mm' thread_beams='10'
+                  tip='-5.1 0.3 -4.2 mm' tip_direction='1 0 0'/>
     <Track about='suture' times='0 0.8 s' positions='0 0 0  14 0 0 mm'/>
     <Grasper at='16 mm'/>
     <Puncture threshold='0.2 N'/><Cutting threshold='0.05 N'/><SuturePath/><PathFriction/>)",

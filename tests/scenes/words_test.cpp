@@ -201,6 +201,8 @@ TEST(Words, SizesThatAreMoreLikelyASlipOfTheUnitAreDoubted) {
     EXPECT_NE(run.said().find("is the unit right?"), std::string::npos) << slip << run.said();
   }
   EXPECT_EQ(TextRun("<SutureThread thread_length=\"3 m\"/>").said(), "");
+  const TextRun slow("<SutureThread/>", "dt=\"5\"");
+  EXPECT_NE(slow.said().find("dt is 5 s"), std::string::npos) << slow.said();
 }
 
 // As it is drawn: a point three diameters long, then the wire, then the thread.

@@ -90,6 +90,7 @@ TEST_F(Conjugate, RecentSolutionsSpanTheStart) {
   deform(testing::bend(0.06, 1, 0.0075));
   const VecX b1 = rough_vector(grid.fixed, 1), b2 = rough_vector(grid.fixed, 2);
   RecentSolutions recent;
+  recent.reset(b1.size());
   GrowingMat x, start;
   EXPECT_FALSE(recent.start(A, grid.fixed, b1, start));
   for (const VecX* b : {&b1, &b2}) {

@@ -1,0 +1,121 @@
+// What single stages of the step do, and what the step reports. Their order is in step.cpp.
+#include <algorithm>
+#include <cmath>
+
+#include "base/stage_timer.h"
+#include "solve/law_check.h"
+#include "sutura/simulation.h"
+
+namespace sutura {
+
+void Simulation::begin_report() {
+  report_.passes = 0;
+  report_.parts = 1;
+  report_.solved = report_.finite = true;
+  report_.violation = 0;
+  report_.solve = {};
+  report_.messages.clear();
+  report_.faults.clear();
+  for (BodyReport& b : report_.bodies) b.imbalance = {};
+}
+
+/// Balanced is not enough where a body can go lower. False if none can.
+bool Simulation::leave_saddles() {
+  bool left = false;
+  for (const NamedBody& b : bodies_) left = ask(b.body).leave_saddle() || left;
+  return left;
+}
+
+/// body_force_ of one body <- H^T lambda.
+void Simulation::constraint_force(std::size_t body) {
+  body_force_[body].setZero(bodies_[body].body->dofs());
+  problem_.bodies[body].add_transposed(problem_.lambda, body_force_[body]);
+}
+
+/// What may touch at the present guess. Where a source finds the way to it barred, the guess goes
+/// back to the part of the way that is free.
+void Simulation::detect(const StepContext& context) {
+  constexpr int most_looks = 8;
+  for (int look = 0;; ++look) {
+    for (ConstraintSource* source : sources_) ask(source).detect(context);
+    Real part = 1;
+    for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
+    if (part >= 1 || look > most_looks) return;
+    if (look == most_looks) part = 0;  // back to the start, which was free
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      ask(bodies_[i].body).motion(motion_[i]);
+      motion_[i] *= part;
+      bodies_[i].body->move_to(context, motion_[i]);
+    }
+  }
+}
+
+/// Momentum and violation of the present guess, with rows and forces as they are there. Where the
+/// gaps are good, a body well within the tolerance stays as it is in the next pass, which is for
+/// the others: often the thread alone, at a hundredth of the cost of the tissue. What changes of
+/// the forces on it counts in its balance.
+bool Simulation::measure(const StepContext& context) {
+  const StepLimits& limits = scene_->limits;
+  violation_ = law_check_->measure(problem_).violation;
+  bool good = violation_ <= limits.gap_tolerance;
+  const bool close = violation_ <= limits.gap_tolerance / 2;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    constraint_force(i);
+    imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);
+    good = good && imbalance_[i].relative <= limits.tolerance;
+    settled_[i] = close && imbalance_[i].relative <= limits.tolerance / 20;
+    violation_ += 0 * imbalance_[i].relative;  // not finite if any is
+  }
+  return good;
+}
+
+/// The guess becomes the end of the step. The only place where topology and the number of rows may
+/// change.
+void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
+  timer.enter(Stage::commit);
+  builder_->accept();
+  report_.solved = report_.solved && solved;
+  report_.violation = std::max(report_.violation, violation_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Body& body = ask(bodies_[i].body);
+    Imbalance& worst = report_.bodies[i].imbalance;
+    if (!(imbalance_[i].relative <= worst.relative)) worst = imbalance_[i];
+    Work& work = report_.bodies[i].work;
+    work.constraints += context.dt * body.power(body_force_[i]);
+    work.loads += context.dt * body.power(body.load());
+    body.end_step(context, body_force_[i]);
+    work.holds += context.dt * body.held_power();
+    report_.finite = report_.finite && body.finite();
+    const std::string trouble = body.trouble();
+    if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
+    note_fault(bodies_[i].path, body.fault());
+  }
+  if (!report_.finite) return;  // a state that is not finite is not searched
+  const SolvedBlocks blocks(problem_);
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    ask(sources_[i]).commit(context, blocks);
+    note_fault(source_paths_[i], sources_[i]->fault());
+  }
+}
+
+/// Once for a component and step, also where the step is divided.
+void Simulation::note_fault(const std::string& path, const std::string& fault) {
+  const auto is_known = [&](const std::string& other) { return other.starts_with(path + ": "); };
+  if (!fault.empty() && std::none_of(report_.faults.begin(), report_.faults.end(), is_known))
+    report_.faults.push_back(path + ": " + fault);
+}
+
+Imbalance StepReport::worst_imbalance() const {
+  Imbalance worst;
+  for (const BodyReport& b : bodies)
+    if (!(b.imbalance.relative <= worst.relative)) worst = b.imbalance;
+  return worst;
+}
+
+double StepReport::total_seconds() const {
+  double sum = 0;
+  for (const double s : seconds) sum += s;
+  return sum;
+}
+
+}  // namespace sutura
