@@ -23,6 +23,13 @@ struct Shape {
   Vec3 half_size{Vec3::Zero()};  ///< of the box (m)
 
   ShapeDistance at(const Vec3& p) const;
+  /// Without edges: all points of the surface are as far from a point or a line.
+  bool is_round() const { return kind == Kind::sphere || kind == Kind::capsule; }
+  /// The point closest to p of what is left without a layer of the surface (m): of round shapes the
+  /// centre or the axis, whatever the layer. Not of a plane.
+  Vec3 core(const Vec3& p, Real layer) const;
+  /// From the middle to the nearest side (m); infinite for a plane.
+  Real half_thickness() const;
   /// Lines that show it, as pairs of points.
   std::vector<Vec3> wireframe() const;
 };
