@@ -162,6 +162,11 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     t.left_over = sticks ? Vec2(solved.delta(block).tail<2>()) : Vec2(Vec2::Zero());
   }
   memory_.remember(touches_);
+  went_through_ = pair_->free_way() < 1;
+}
+
+std::string Contact::fault() const {
+  return went_through_ ? "the step leads the two through each other; take a shorter one" : "";
 }
 
 }  // namespace sutura::contact

@@ -22,6 +22,7 @@ class Contact : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   Real free_way() const override { return pair_->free_way(); }
+  std::string fault() const override;
 
  private:
   void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
@@ -41,6 +42,7 @@ class Contact : public Component, public ConstraintSource {
   Vec3 force_ = Vec3::Zero();  ///< on the first
   Index closed_ = 0;
   Real largest_force_ = 0;
+  bool went_through_ = false;
 };
 
 }  // namespace sutura::contact

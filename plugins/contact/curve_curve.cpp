@@ -15,7 +15,7 @@ constexpr Real node_margin = 0.25;  // and at nodes of strands that run along ea
 constexpr Real clearance = 0.5;     // centrelines may come as near to each other on their ways
 constexpr Real dip = 0.05;          // what strands may be nearer than at the touches beside
 // In units of the length of a segment.
-constexpr Real at_node = 0.05;
+constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 constexpr Real doubles = 0.05;  // touches closer than this on both are one
 // Strands run along each other if the cosine between them is larger.
 constexpr Real along = 0.5;

@@ -15,7 +15,7 @@ constexpr Real dip = 0.05;       // what a curve may be nearer than at its touch
 constexpr Real mouth = 3;        // around the mouth of a channel, the channel holds the curve
 constexpr Real point = 6;        // so long is a needle's point, which presses by a law of its own
 // In units of the length of a segment.
-constexpr Real at_node = 0.05;
+constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int parts = 2;          // chords of a segment
 constexpr Real other_side = 0.7;  // sides whose normals are closer than this (cosine) are one
@@ -87,13 +87,20 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   // Does the way lead through?
   const Vec3 common = s.xa - s0.xa;
   const Real own_motion = seen_.motion(i, common);
+  Real free = 1;
+  Near met;
   for (const Index t : around_) {
     const Real motion = own_motion + surface_.motion(t, common);
-    free_way_ = std::min(free_way_, way_through(motion, clearance * r, [&](Real now) {
-                           return closest(seen_.at(i, now), t, surface_.at(t, now)).distance;
-                         }));
+    const auto at = [&](Real now) { return closest(seen_.at(i, now), t, surface_.at(t, now)); };
+    const Real way = way_through(motion, clearance * r, [&](Real now) { return at(now).distance; });
+    if (way < free) free = way, met = at(way);
   }
-  if (free_way_ < 1) return;
+  if (free < 1) {
+    // A carried surface does not wait for what is in its way: so that is touched where they met.
+    free_way_ = std::min(free_way_, free);
+    if (met.distance > 0) touch(i, met, out);
+    return;
+  }
 
   // At the nodes, once for both segments that share one.
   Real nearest = std::numeric_limits<Real>::infinity();
@@ -154,9 +161,13 @@ void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out)
   t.second_place = t.normal.dot(Vec3(1, 2, 4));  // tells the sides of one node apart
   t.along = s.slope(at.u);
   const Corners corners = surface_.now(at.triangle);
-  t.at = at.weights[0] * corners[0] + at.weights[1] * corners[1] + at.weights[2] * corners[2];
-  t.first_arm = t.at - s.point(at.u);
-  t.gap = at.distance - s.radius;
+  const Vec3 foot =
+      at.weights[0] * corners[0] + at.weights[1] * corners[1] + at.weights[2] * corners[2];
+  const Vec3 apart = s.point(at.u) - foot;
+  const Real height = t.normal.dot(apart);
+  t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
+  t.at = s.point(at.u) + t.first_arm;
+  t.gap = height - s.radius;
 }
 
 Vec3 CurveSurface::slip(const Touch& t) const {
@@ -187,6 +198,10 @@ Real CurveSurface::distance() const {
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& s : now.seen_.now) {
     if (now.is_inside(s.from, s.to)) continue;
+    for (const Vec3& p : {s.xa, s.xb}) {
+      const Real depth = surface_.depth(p);
+      if (depth > 0) smallest = std::min(smallest, -depth - s.radius);
+    }
     Box box;
     Vec3 hull[4];
     MovingCurve::hull(s, hull);

@@ -23,11 +23,26 @@ class CurveTool : public Pair {
   ShapeDistance from_tool(const CurveSegment& s, Real u) const {
     return tool_.shape().at(s.point(u));
   }
+  /// A plane of the surface of the shape, seen from it.
+  struct Facet {
+    Vec3 normal, foot;
+  };
+  Facet facet(const Vec3& p, const ShapeDistance& d) const {
+    return {d.normal, p - d.distance * d.normal};
+  }
   void look();
   Real lowest_between(const CurveSegment& s, Real low, Real high) const;
+  /// Where on the segment it is nearest to the tool. No point of it is nearer than `distance`,
+  /// which is exact where it is less than `exact` (m).
+  struct Lowest {
+    Real u = 0, distance = 0;
+  };
+  Lowest lowest(const CurveSegment& s, Real exact) const;
   void find_at_node(std::size_t node, std::vector<Touch>& out);
   void find_inside(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
-  void touch(std::size_t segment, Real u, std::vector<Touch>& out) const;
+  /// The way is free up to a time, from which on `p` of the segment there would be too near.
+  void bar(std::size_t segment, Real u, Real way, std::vector<Touch>& out);
+  void touch(std::size_t segment, Real u, const Facet& on, std::vector<Touch>& out) const;
   bool is_far(std::size_t segment) const;
 
   const SegmentedCurve& curve_;

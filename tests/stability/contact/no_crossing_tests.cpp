@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "contact_scenes.h"
 #include "scenes/text_run.h"
 #include "stability/contact/crossings.h"
 
@@ -12,19 +13,6 @@ namespace {
 
 constexpr Real r = 0.1e-3;
 const char* const steps[] = {"1 ms", "5 ms", "10 ms", "20 ms", "50 ms"};
-
-std::string vector(const Vec3& v) {
-  return std::to_string(v.x()) + " " + std::to_string(v.y()) + " " + std::to_string(v.z());
-}
-
-std::string thread(const std::string& name, const Vec3& middle, const Vec3& along, Real length,
-                   int beams, const std::string& more) {
-  return "<SutureThread name='" + name +
-         "' needle_length='0' thread='4-0 polypropylene' thread_diameter='0.2 mm' thread_length='" +
-         std::to_string(length) + "' thread_beams='" + std::to_string(beams) + "' tip='" +
-         vector(middle - length / 2 * along) + "' tip_direction='" + vector(-along) + "' " + more +
-         "/>";
-}
 
 /// Runs and counts how often the two (or one with itself) have gone through each other.
 int run(TextRun& world, const std::string& a, const std::string& b, Real seconds) {
