@@ -8,7 +8,6 @@
 #include "contact_memory.h"
 #include "rigid_tool.h"
 #include "sutura/describe.h"
-#include "sutura/passage.h"
 
 namespace sutura::contact {
 
@@ -26,11 +25,10 @@ class Contact : public Component, public ConstraintSource {
 
  private:
   void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
-  std::unique_ptr<Pair> make_pair(Setup& setup);
+  std::unique_ptr<Pair> make_pair(Setup& setup) const;
 
   Link<Body> first_, second_;
   Link<RigidTool> tool_;
-  Link<Passage> passage_;
   Real friction_ = 0.2;
   Real compliance_ = 0;
 

@@ -1,5 +1,6 @@
 #include "curve_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -32,7 +33,8 @@ void CurveSurface::look(bool standing) {
     s.low -= mouth * curve_.radius(s.low);
     s.high += mouth * curve_.radius(s.high);
   }
-  if (curve_.needle_length() > 0) inside_.push_back({0, point * curve_.radius(0)});
+  if (passage_ != nullptr && curve_.needle_length() > 0)
+    inside_.push_back({0, point * curve_.radius(0)});
 }
 
 bool CurveSurface::is_inside(Real low, Real high) const {
@@ -51,6 +53,20 @@ CurveSurface::Near CurveSurface::closest(const CurveSegment& s, Index t, const C
     if (!(distance < best.distance)) continue;
     const Vec3 foot = pair.weights[0] * at[0] + pair.weights[1] * at[1] + pair.weights[2] * at[2];
     best = {t, (k + pair.s) / parts, pair.weights, chord.at(pair.s) - foot, distance};
+  }
+  // From the chord to the curve, where that matters.
+  constexpr Real near = 4;  // radii
+  for (int k = 0; k < 8 && best.distance > 0 && best.distance < near * s.radius; ++k) {
+    best = closest_to(s, best.u, t, at);
+    const Vec3 slope = s.slope(best.u);
+    const Real rise = best.apart.dot(slope);
+    const Real bend = std::max(slope.squaredNorm() + best.apart.dot(s.second(best.u)),
+                               Real(0.1) * slope.squaredNorm());
+    const Real u = std::clamp(best.u - rise / bend, 0., 1.);
+    if (std::abs(u - best.u) < 1e-9) break;
+    const Near next = closest_to(s, u, t, at);
+    if (!(next.distance < best.distance)) break;
+    best = next;
   }
   return best;
 }
