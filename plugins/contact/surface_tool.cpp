@@ -13,6 +13,7 @@ namespace {
 constexpr Real margin = 0.25;  // a touch is built from this far, before there is one
 constexpr Real dip = 0.01;     // what a triangle may be nearer than at its nodes
 constexpr Real depth = 0.25;   // deeper inside than this it is not taken for having come in here
+constexpr Real wide = 3;       // of a tool that is wide against the mesh
 constexpr Real shaved = 0.1;   // off a tool with edges, to find how deep they are inside
 // Nor deeper than this part of the way to the middle of the tool: there another side is nearer.
 constexpr Real half_way = 0.5;
@@ -60,12 +61,12 @@ Real SurfaceTool::way_of(Real motion, const At& distance) const {
   return way_through(motion, allowed, [&](Real time) { return distance(time) + 2 * allowed; });
 }
 
-void SurfaceTool::find(const TouchedPlaces&, std::vector<Touch>& out) {
+void SurfaceTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   surface_.look();
   free_way_ = 1;
   for (std::size_t k = 0; k < surface_.surface_nodes().size(); ++k) find_at_node(k, out);
   if (tool_.shape().kind == Shape::Kind::plane) return;  // nowhere nearer than at a node
-  for (Index t = 0; t < surface_.triangles(); ++t) find_inside(t, out);
+  for (Index t = 0; t < surface_.triangles(); ++t) find_inside(t, before, out);
 }
 
 /// A tool does not wait for what is in its way: where that goes back to where it was, it may still
@@ -88,7 +89,7 @@ void SurfaceTool::find_at_node(std::size_t number, std::vector<Touch>& out) {
     touch(static_cast<Real>(n.node), {n.triangle, n.weights}, facet(on_the_way(way)), out);
 }
 
-void SurfaceTool::find_inside(Index t, std::vector<Touch>& out) {
+void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<Touch>& out) {
   const Corners from = seen_at(t, 0), to = seen_at(t, 1);
   const Shape& shape = tool_.shape();
   Real at_nodes = std::numeric_limits<Real>::infinity(), begin = at_nodes, size = 0, motion = 0;
@@ -114,9 +115,13 @@ void SurfaceTool::find_inside(Index t, std::vector<Touch>& out) {
     return;
   }
   if (distance > margin * edge) return;
-  // A rim always cuts a little into the triangles around the nodes that it presses.
-  if (!shape.is_round() && at_nodes < dip * edge) return;
-  if (distance < at_nodes - dip * edge) touch(name, {t, weights}, facet(p), out);
+  // A rim always cuts a little into the triangles around the nodes that it presses; a wide round
+  // tool into all, by a sixth of the square of the edge over its radius. There nodes are enough: a
+  // touch between them would move by that radius as the triangle tilts, and passes to and fro.
+  const bool is_between = shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge;
+  const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
+  if (is_between && (was_touched || distance < at_nodes - dip * edge))
+    touch(name, {t, weights}, facet(p), out);
 }
 
 SurfaceTool::Facet SurfaceTool::facet(const Vec3& p) const {

@@ -40,7 +40,7 @@ class SurfaceTool : public Pair {
   template <class At>
   Real way_of(Real motion, const At& distance) const;
   void find_at_node(std::size_t number, std::vector<Touch>& out);
-  void find_inside(Index triangle, std::vector<Touch>& out);
+  void find_inside(Index triangle, const TouchedPlaces& before, std::vector<Touch>& out);
   Facet facet(const Vec3& p) const;
   void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
