@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pose_maths.h"
-
 namespace sutura::contact {
 namespace {
 
@@ -90,11 +88,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   const Real r = s.radius;
   if (is_inside(s.from, s.to)) return;
   Box box;
-  for (const CurveSegment& c : {s, s0}) {
-    Vec3 hull[4];
-    MovingCurve::hull(c, hull);
-    for (const Vec3& p : hull) box.add(p);
-  }
+  MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
   around_.clear();
   surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
   if (around_.empty()) return;
@@ -187,10 +181,7 @@ void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out)
 }
 
 Vec3 CurveSurface::slip(const Touch& t) const {
-  const Pose was = curve_.frame(t.first_place, Configuration::start);
-  const Pose is = curve_.frame(t.first_place, Configuration::current);
-  const Vec3 arm = is.rotation.conjugate() * t.first_arm;
-  return is.position + t.first_arm - at(was, arm) - surface_.moved(t.triangle, t.weights);
+  return moved(curve_, t.first_place, t.first_arm) - surface_.moved(t.triangle, t.weights);
 }
 
 void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
@@ -203,9 +194,7 @@ void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
 }
 
 Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
-  const auto it = std::lower_bound(seen_.now.begin(), seen_.now.end() - 1, t.first_place,
-                                   [](const CurveSegment& g, Real at) { return g.to < at; });
-  return {it->length() / 4, 1};
+  return {seen_.segment_at(t.first_place).length() / 4, 1};
 }
 
 Real CurveSurface::distance() const {
@@ -219,9 +208,7 @@ Real CurveSurface::distance() const {
       if (depth > 0) smallest = std::min(smallest, -depth - s.radius);
     }
     Box box;
-    Vec3 hull[4];
-    MovingCurve::hull(s, hull);
-    for (const Vec3& p : hull) box.add(p);
+    MovingCurve::add_to(box, s);
     // Wider and wider, until something is in reach.
     for (Real near = 2 * s.radius; near < 1e3; near *= 4) {
       Real here = std::numeric_limits<Real>::infinity();

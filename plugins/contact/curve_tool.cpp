@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pose_maths.h"
-
 namespace sutura::contact {
 namespace {
 
@@ -67,7 +65,7 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
   if (way < 1)
     bar(i, u, way, out);
   else if (end.distance < (1 + margin) * radius)
-    touch(i, u, facet(to, end), out);
+    touch(i, u, tool_.shape().facet(to), out);
 }
 
 /// A tool does not wait for what is in its way: where that goes back to where it was, it may still
@@ -75,7 +73,7 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
 void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
   free_way_ = std::min(free_way_, way);
   const Vec3 p = seen_.at(i, way).point(u);
-  touch(i, u, facet(p, tool_.shape().at(p)), out);
+  touch(i, u, tool_.shape().facet(p), out);
 }
 
 bool CurveTool::is_far(std::size_t i) const {
@@ -116,14 +114,14 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
     if (std::isnan(place)) break;
     const Real u = (place - s.from) / s.length(), here = from_tool(s, u).distance;
     nearest = std::min(nearest, here);
-    if (is_near(here)) touch(i, u, facet(s.point(u), from_tool(s, u)), out);
+    if (is_near(here)) touch(i, u, tool_.shape().facet(s.point(u)), out);
   }
   for (int k = 1; k < parts; ++k) {
     if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
     const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
-    if (here < nearest - dip * radius) touch(i, u, facet(s.point(u), from_tool(s, u)), out);
+    if (here < nearest - dip * radius) touch(i, u, tool_.shape().facet(s.point(u)), out);
   }
 }
 
@@ -170,12 +168,7 @@ void CurveTool::touch(std::size_t i, Real u, const Facet& on, std::vector<Touch>
 }
 
 Vec3 CurveTool::slip(const Touch& t) const {
-  const Real s = t.first_place;
-  const Pose was = curve_.frame(s, Configuration::start);
-  const Pose is = curve_.frame(s, Configuration::current);
-  const Vec3 arm = is.rotation.conjugate() * t.first_arm;
-  const Vec3 curve = is.position + t.first_arm - at(was, arm);
-  return curve - tool_.moved(t.second_local);
+  return moved(curve_, t.first_place, t.first_arm) - tool_.moved(t.second_local);
 }
 
 void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,
@@ -185,14 +178,8 @@ void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,
   builder.couple(block, curve_, axes, J, t.at);
 }
 
-void CurveTool::tell_force(const Touch& t, const Vec3& force) {
-  tool_.add_force(-force, t.at);
-}
-
 Pair::Tolerance CurveTool::tolerance(const Touch& t) const {
-  std::size_t i = 0;
-  while (i + 1 < seen_.size() && seen_.now[i].to < t.first_place) ++i;
-  return {seen_.now[i].length() / 4, std::numeric_limits<Real>::infinity()};
+  return {seen_.segment_at(t.first_place).length() / 4, std::numeric_limits<Real>::infinity()};
 }
 
 Real CurveTool::distance() const {

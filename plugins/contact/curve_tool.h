@@ -2,19 +2,17 @@
 #pragma once
 
 #include "moving_curve.h"
-#include "rigid_tool.h"
-#include "touch.h"
+#include "tool_pair.h"
 
 namespace sutura::contact {
 
-class CurveTool : public Pair {
+class CurveTool : public ToolPair {
  public:
-  CurveTool(const SegmentedCurve& curve, RigidTool& tool) : curve_(curve), tool_(tool) {}
+  CurveTool(const SegmentedCurve& curve, RigidTool& tool) : ToolPair(tool), curve_(curve) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
-  void tell_force(const Touch& touch, const Vec3& force) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -22,13 +20,6 @@ class CurveTool : public Pair {
   /// Of the centreline of segment s, seen from the shape, at u.
   ShapeDistance from_tool(const CurveSegment& s, Real u) const {
     return tool_.shape().at(s.point(u));
-  }
-  /// A plane of the surface of the shape, seen from it.
-  struct Facet {
-    Vec3 normal, foot;
-  };
-  Facet facet(const Vec3& p, const ShapeDistance& d) const {
-    return {d.normal, p - d.distance * d.normal};
   }
   void look();
   Real lowest_between(const CurveSegment& s, Real low, Real high) const;
@@ -46,7 +37,6 @@ class CurveTool : public Pair {
   bool is_far(std::size_t segment) const;
 
   const SegmentedCurve& curve_;
-  RigidTool& tool_;
   MovingCurve seen_;  ///< from the shape
 };
 

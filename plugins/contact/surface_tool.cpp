@@ -86,7 +86,8 @@ void SurfaceTool::find_at_node(std::size_t number, std::vector<Touch>& out) {
   });
   free_way_ = std::min(free_way_, way);
   if (way < 1 || tool_.shape().at(to).distance < reach)
-    touch(static_cast<Real>(n.node), {n.triangle, n.weights}, facet(on_the_way(way)), out);
+    touch(static_cast<Real>(n.node), {n.triangle, n.weights}, tool_.shape().facet(on_the_way(way)),
+          out);
 }
 
 void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<Touch>& out) {
@@ -111,7 +112,7 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   const Real name = static_cast<Real>(surface_.surface_nodes().back().node + 1 + t);
   constexpr Real at_node = 1 - 1e-6;
   if (way < 1) {
-    if (weights.maxCoeff() < at_node) touch(name, {t, weights}, facet(p), out);
+    if (weights.maxCoeff() < at_node) touch(name, {t, weights}, shape.facet(p), out);
     return;
   }
   if (distance > margin * edge) return;
@@ -121,12 +122,7 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   const bool is_between = shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge;
   const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
   if (is_between && (was_touched || distance < at_nodes - dip * edge))
-    touch(name, {t, weights}, facet(p), out);
-}
-
-SurfaceTool::Facet SurfaceTool::facet(const Vec3& p) const {
-  const ShapeDistance d = tool_.shape().at(p);
-  return {d.normal, p - d.distance * d.normal};
+    touch(name, {t, weights}, shape.facet(p), out);
 }
 
 void SurfaceTool::touch(Real name, const Place& place, const Facet& on,
@@ -154,10 +150,6 @@ void SurfaceTool::couple(const Touch& t, BlockId block, const Directions& axes,
   PointJacobian J;
   surface_.jacobian(t.triangle, t.weights, J);
   builder.couple(block, surface_.solid(), axes, J, t.at);
-}
-
-void SurfaceTool::tell_force(const Touch& t, const Vec3& force) {
-  tool_.add_force(-force, t.at);
 }
 
 Pair::Tolerance SurfaceTool::tolerance(const Touch&) const {

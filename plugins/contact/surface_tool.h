@@ -4,27 +4,21 @@
 
 #include "moving_curve.h"
 #include "moving_surface.h"
-#include "rigid_tool.h"
-#include "touch.h"
+#include "tool_pair.h"
 
 namespace sutura::contact {
 
-class SurfaceTool : public Pair {
+class SurfaceTool : public ToolPair {
  public:
-  SurfaceTool(const MeshedSolid& solid, RigidTool& tool) : surface_(solid), tool_(tool) {}
+  SurfaceTool(const MeshedSolid& solid, RigidTool& tool) : ToolPair(tool), surface_(solid) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
-  void tell_force(const Touch& touch, const Vec3& force) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
  private:
-  /// A plane of the surface of the shape, seen from it.
-  struct Facet {
-    Vec3 normal, foot;
-  };
   struct Place {
     Index triangle = -1;
     Vec3 weights = Vec3::Zero();
@@ -41,11 +35,9 @@ class SurfaceTool : public Pair {
   Real way_of(Real motion, const At& distance) const;
   void find_at_node(std::size_t number, std::vector<Touch>& out);
   void find_inside(Index triangle, const TouchedPlaces& before, std::vector<Touch>& out);
-  Facet facet(const Vec3& p) const;
   void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
   MovingSurface surface_;
-  RigidTool& tool_;
 };
 
 }  // namespace sutura::contact
