@@ -11,6 +11,7 @@
 #include "sutura/laws/unilateral.h"
 #include "sutura/passage.h"
 #include "sutura/scene.h"
+#include "sutura/units.h"
 
 namespace sutura::contact {
 
@@ -171,10 +172,15 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
   }
   memory_.remember(touches_);
   went_through_ = pair_->free_way() < 1;
+  unseen_overlap_ = pair_->unseen_overlap(touches_);
 }
 
 std::string Contact::fault() const {
-  return went_through_ ? "the step leads the two through each other; take a shorter one" : "";
+  if (went_through_) return "the step leads the two through each other; take a shorter one";
+  if (unseen_overlap_ > 0)
+    return "edges of the two cross, " + format_real(unseen_overlap_) +
+           " m deep, where neither has a node; make the mesh finer";
+  return {};
 }
 
 }  // namespace sutura::contact

@@ -41,6 +41,7 @@ class Contact : public Component, public ConstraintSource {
   Index closed_ = 0;
   Real largest_force_ = 0;
   bool went_through_ = false;
+  Real unseen_overlap_ = 0;  ///< m
 };
 
 }  // namespace sutura::contact

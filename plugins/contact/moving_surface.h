@@ -33,6 +33,8 @@ class MovingSurface {
   void jacobian(Index triangle, const Vec3& weights, PointJacobian& out) const {
     solid_.jacobian(solid_.on_surface(triangle, weights), out);
   }
+  /// May p be inside of the solid? If not, it is not.
+  bool bounds(const Vec3& p) const { return !boxes_.empty() && boxes_[0].squared_distance(p) == 0; }
   /// How deep a point is inside of the solid, now (m); 0 outside.
   Real depth(const Vec3& p) const;
   /// Nodes of the surface by ascending number, each as a corner of one of its triangles.

@@ -175,6 +175,44 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch&) const {
   return {0.5, std::numeric_limits<Real>::infinity()};
 }
 
+Real SurfaceSurface::edges_inside(const MovingSurface& edges, const MovingSurface& solid,
+                                  const std::vector<char>& touched) {
+  Real deepest = 0;
+  for (Index t = 0; t < edges.triangles(); ++t) {
+    const auto& nodes = edges.nodes(t);
+    const auto is_touched = [&](Index node) {
+      return touched[static_cast<std::size_t>(node)] != 0;
+    };
+    if (std::any_of(nodes.begin(), nodes.end(), is_touched)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index from = nodes[k], to = nodes[(k + 1) % 3];
+      if (from > to) continue;  // the triangle beside has it too
+      for (const Real u : {0.25, 0.5, 0.75}) {
+        const Vec3 p = edges.point(from) + u * (edges.point(to) - edges.point(from));
+        if (solid.bounds(p)) deepest = std::max(deepest, solid.depth(p));
+      }
+    }
+  }
+  return deepest;
+}
+
+/// Two sharp edges that cross have no node in each other.
+Real SurfaceSurface::unseen_overlap(const std::vector<Touch>& touches) {
+  if (is_self_) return 0;
+  touched_first_.assign(normals_first_.size(), 0);
+  touched_second_.assign(normals_second_.size(), 0);
+  for (const Touch& t : touches) {
+    auto& nodes = t.nodes_are_second ? touched_second_ : touched_first_;
+    auto& faces = t.nodes_are_second ? touched_first_ : touched_second_;
+    nodes[static_cast<std::size_t>(t.node)] = 1;
+    for (const Index node : faces_of(t).nodes(t.triangle))
+      faces[static_cast<std::size_t>(node)] = 1;
+  }
+  const Real deepest = std::max(edges_inside(first_, second_, touched_first_),
+                                edges_inside(second_, first_, touched_second_));
+  return deepest > beside * edge_length() ? deepest : 0;
+}
+
 /// Of the nodes of one surface to the other.
 Real SurfaceSurface::smallest_distance(const MovingSurface& nodes, const MovingSurface& faces) {
   Real smallest = std::numeric_limits<Real>::infinity();
@@ -196,8 +234,12 @@ Real SurfaceSurface::distance() const {
   now.first_.look(true);
   if (!is_self_) {
     now.second_.look(true);
-    return std::min(smallest_distance(now.first_, now.second_),
-                    smallest_distance(now.second_, now.first_));
+    add_normals(now.first_, now.normals_first_);
+    add_normals(now.second_, now.normals_second_);
+    const Real unseen = now.unseen_overlap({});
+    const Real nodes = std::min(smallest_distance(now.first_, now.second_),
+                                smallest_distance(now.second_, now.first_));
+    return unseen > 0 ? std::min(nodes, -unseen) : nodes;
   }
   // Of one with itself only what faces each other counts, wider and wider until something does.
   add_normals(now.first_, now.normals_first_);

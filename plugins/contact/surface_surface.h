@@ -15,6 +15,7 @@ class SurfaceSurface : public Pair {
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
+  Real unseen_overlap(const std::vector<Touch>& touches) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -42,11 +43,16 @@ class SurfaceSurface : public Pair {
   Passing passing(const MovingSurface& nodes, Index node, const MovingSurface& faces,
                   Index triangle) const;
   void drop_doubles(std::vector<Touch>& out);
+  /// How deep edges of one are inside of the other, at their quarters. `touched`: by node; edges of
+  /// triangles with such a node are left out.
+  static Real edges_inside(const MovingSurface& edges, const MovingSurface& solid,
+                           const std::vector<char>& touched);
   static Real smallest_distance(const MovingSurface& nodes, const MovingSurface& faces);
 
   MovingSurface first_, second_;
   bool is_self_;
   std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside
+  std::vector<char> touched_first_, touched_second_;  ///< by node
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
 };
 

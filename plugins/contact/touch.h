@@ -61,6 +61,8 @@ class Pair {
                             const Vec3& /*direction*/, ConstraintBuilder& /*builder*/) const {}
   /// After the step: the force on the first.
   virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}
+  /// After the step: how deep the two overlap where no touch sees it (m).
+  virtual Real unseen_overlap(const std::vector<Touch>& /*touches*/) { return 0; }
   /// The smallest distance between the surfaces, now (m).
   virtual Real distance() const = 0;
   /// Two touches are one if their places differ by no more.

@@ -120,6 +120,22 @@ TEST_P(Swept, TwoBlocksMeetAtAnySpeed) {
   }
 }
 
+// Two bars crossed, with no node where they meet: edges are not touched, and that is said.
+TEST_P(Swept, CrossedEdgesDoNotGoThroughInSilence) {
+  TextRun run("<plugin name='contact'/>" +
+                  block("low", "-15 -2 -4 15 2 0", "3 1 1",
+                        "<Attach name='a' box='-15 -2 -4 -15 2 0 mm'/>"
+                        "<Attach name='b' box='15 -2 -4 15 2 0 mm'/>") +
+                  block("high", "-2 -15 0.1 2 15 4.1", "1 3 1",
+                        "<Track name='hand' times='0 0.5 s' positions='0 0 0 0 0 -3 mm'/>"
+                        "<Attach box='-2 -15 0.1 2 15 4.1 mm' motion='hand'/>") +
+                  "<Contact first='/low/tissue' second='/high/tissue'/>",
+              settings());
+  ASSERT_TRUE(run) << run.said();
+  EXPECT_FALSE(runs_without_a_word(run, 0.5));
+  EXPECT_LT(run.number("/contact", "distance"), -1e-3);
+}
+
 INSTANTIATE_TEST_SUITE_P(AtAnyStep, Swept, ::testing::Values("1 ms", "10 ms", "50 ms"));
 
 }  // namespace
