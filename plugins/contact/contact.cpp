@@ -88,7 +88,9 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) const {
 
 void Contact::ready(Setup& setup) {
   const Real distance = pair_->distance();
-  constexpr Real rounding = 1e-5;  // m: what a scene that lays one on the other may be off
+  Real rounding = 1e-5;  // m: what a scene that lays one on the other may be off
+  if (const auto* curve = dynamic_cast<const CurveBody*>(first_.get()))
+    rounding = std::min(rounding, curve->radius(curve->length()) / 4);  // no way is free at half
   if (distance < -rounding)
     setup.error(*this, "the two overlap by " + std::to_string(-distance * 1e3) +
                            " mm at the start; move one of them");

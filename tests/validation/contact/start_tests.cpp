@@ -37,6 +37,19 @@ TEST(Start, AToolBetweenTheNodesOfATissueIsRefused) {
   expect_overlap(skin + ball("3 4 1") + on_ball, "1.0");
 }
 
+// A hundredth of a millimetre is rounding for a thread of 0.2 mm, and as much as one of 11-0 is
+// thick: it could not move.
+TEST(Start, AThinThreadMayOverlapByLess) {
+  const auto laid = [](const std::string& radius, const std::string& height) {
+    return "<plugin name='contact'/><SutureThread name='a' needle_length='0' thread_length='10 mm' "
+           "thread_diameter='" +
+           radius + "' tip='0 0 " + height +
+           "' tip_direction='-1 0 0'/><Tool name='table' shape='plane'/><Contact tool='table'/>";
+  };
+  EXPECT_TRUE(TextRun(laid("0.2 mm", "0.0920 mm")));
+  expect_overlap(laid("0.01 mm", "-0.001 mm"), "0.006");
+}
+
 TEST(Start, DistancesAreThoseOfTheSurfaces) {
   TextRun tool(skin + ball("3 4 5") + on_ball);
   ASSERT_TRUE(tool) << tool.said();
