@@ -59,7 +59,8 @@ TEST(Mouth, WhatIsOutsideLiesOnTheSkin) {
       needle_beams="16" needle_diameter="0.4 mm" tip="-0.5 0.2 0.6 mm" tip_direction="1 0 -1"
       plane_normal="0 1 0" thread_length="10 mm" thread_beams="10" thread_direction="-1 0 1"/>
     <Track name="go" centre="0.1 0.2 0 mm" times="0 0.8 1 2.4 s"
-      positions="0 0 0  3.2 0 -3.2  3.2 0 -3.2  3.2 0 -1 mm" rotations="0 0 0 0 0 0 0 0 0 0 -44 0 deg"/>
+      positions="0 0 0  3.2 0 -3.2  3.2 0 -3.2  3.2 0 -1 mm"
+      rotations="0 0 0 0 0 0 0 0 0 0 -44 0 deg"/>
     <Grasper body="suture" at="14 mm" track="go"/><Puncture threshold="0.1 N"/>
     <SuturePath spacing="0.5 mm"/><Contact first="suture" second="/skin/tissue"/>)",
       "dt='10 ms' gravity='0 0 0'");
