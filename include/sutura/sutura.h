@@ -117,7 +117,9 @@ SUTURA_C sutura_status sutura_load_text(const char* text, size_t size, const cha
 /* Ends the simulation and all its handles. A recording that is under way is finished. */
 SUTURA_C sutura_status sutura_destroy(sutura_simulation simulation);
 
-/* Takes up to `count` time steps. Stops at the first one that goes wrong: SUTURA_DIVERGED,
+/* Takes up to `count` time steps. A step that misses its tolerances is said to the message function
+ * and counted in the report, and the next one is taken: it is less accurate than the scene asks, as
+ * exit code 5 of the command says. Stops at the first one that goes wrong: SUTURA_DIVERGED,
  * SUTURA_BAD_FILE if a recorder cannot write (the step is done), or what a component said that
  * failed. After any of these but SUTURA_BAD_FILE no further step is taken until sutura_restore or
  * sutura_reset. */
@@ -139,6 +141,9 @@ typedef struct sutura_report {
   double imbalance; /* of momentum, relative to the forces at work; the worst over the bodies */
   double violation; /* m, the largest distance of a constraint from its law */
   double seconds;   /* wall time */
+  int64_t missed;   /* steps that missed their tolerances or had faults, since loading,
+                       sutura_restore or sutura_reset: also those of a count of steps before the
+                       last */
 } sutura_report;
 
 SUTURA_C sutura_status sutura_get_report(sutura_simulation simulation, sutura_report* report);

@@ -9,29 +9,30 @@
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
+#include "sutura/passage.h"
+#include "sutura/scene.h"
+#include "sutura/units.h"
 
 namespace sutura::contact {
 
 void Contact::describe(Describe<Contact>& d) {
   d.summary(
-      "Two partners do not pass through each other and rub: a thread and another, or itself, or a "
-      "Tool. One Contact says it for one pair.");
+      "Two partners do not pass through each other and rub: a thread or the surface of a tissue, "
+      "and "
+      "another, or itself, or a Tool. One Contact says it for one pair.");
   d.theory(
       "Each touch is three rows under Coulomb's law: the gap between the surfaces along their "
       "common normal, and the slip of the step across it. Points, normals and gaps are those of "
       "the end of the step, found anew at every guess; a touch is built before the surfaces meet. "
       "No guess is taken whose straight way from the start of the step leads one centreline "
-      "through the other, or through a tool (see the theory of contact).");
+      "through the other, or through a tool (see the theory of contact). What a SuturePath holds "
+      "inside of a tissue is not in contact with it.");
   d.link("first", &Contact::first_, "A thread; or a tissue, with another or with itself.");
   d.link("second", &Contact::second_,
          "What it touches; left out together with 'tool', it touches itself.")
       .named_only();
   d.link("tool", &Contact::tool_, "A rigid shape that it touches, instead of 'second'.")
       .named_only();
-  d.link("passage", &Contact::passage_,
-         "The path of a thread through the tissue that it touches: what is inside is not in "
-         "contact.")
-      .optional();
   d.attribute("friction", &Contact::friction_, "1", between(0, 100),
               "Coulomb coefficient of the pair.");
   d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
@@ -52,7 +53,15 @@ void Contact::initialise(Setup& setup) {
   pair_ = make_pair(setup);
 }
 
-std::unique_ptr<Pair> Contact::make_pair(Setup& setup) {
+/// The path of this thread through this tissue, or null.
+const Passage* find_passage(const Scene& scene, const CurveBody& curve, const SolidBody& solid) {
+  for (const Component* c : scene.components())
+    if (const auto* passage = dynamic_cast<const Passage*>(c))
+      if (&passage->curve() == &curve && &passage->solid() == &solid) return passage;
+  return nullptr;
+}
+
+std::unique_ptr<Pair> Contact::make_pair(Setup& setup) const {
   if (second_ && tool_) {
     setup.error(*this, "both 'second' and 'tool' are given; expected one of them");
     return nullptr;
@@ -64,22 +73,24 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) {
     return std::make_unique<CurveCurve>(*curve, *other);
   auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
   auto* other_solid = dynamic_cast<MeshedSolid*>(second_ ? second_.get() : first_.get());
-  if (curve != nullptr && other_solid != nullptr && !tool_) {
-    const bool holds = passage_ && &passage_->curve() == curve && &passage_->solid() == other_solid;
-    return std::make_unique<CurveSurface>(*curve, *other_solid, holds ? passage_.get() : nullptr);
-  }
+  if (curve != nullptr && other_solid != nullptr && !tool_)
+    return std::make_unique<CurveSurface>(*curve, *other_solid,
+                                          find_passage(*setup.scene, *curve, *other_solid));
   if (solid != nullptr && tool_) return std::make_unique<SurfaceTool>(*solid, *tool_);
   if (solid != nullptr && other_solid != nullptr && !tool_)
     return std::make_unique<SurfaceSurface>(*solid, *other_solid);
-  setup.error(*this,
-              "these two cannot touch; expected as 'first' a thread or tissue and as 'second' "
-              "another or nothing, or with a Tool");
+  setup.error(*this, solid != nullptr && other != nullptr && !tool_
+                         ? "a thread and a tissue: name the thread as 'first'"
+                         : "these two cannot touch; expected as 'first' a thread or tissue and as "
+                           "'second' another or nothing, or with a Tool");
   return nullptr;
 }
 
 void Contact::ready(Setup& setup) {
   const Real distance = pair_->distance();
-  constexpr Real rounding = 1e-5;  // m: what a scene that lays one on the other may be off
+  Real rounding = 1e-5;  // m: what a scene that lays one on the other may be off
+  if (const auto* curve = dynamic_cast<const CurveBody*>(first_.get()))
+    rounding = std::min(rounding, curve->radius(curve->length()) / 4);  // no way is free at half
   if (distance < -rounding)
     setup.error(*this, "the two overlap by " + std::to_string(-distance * 1e3) +
                            " mm at the start; move one of them");
@@ -162,6 +173,16 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     t.left_over = sticks ? Vec2(solved.delta(block).tail<2>()) : Vec2(Vec2::Zero());
   }
   memory_.remember(touches_);
+  went_through_ = pair_->free_way() < 1;
+  unseen_overlap_ = pair_->unseen_overlap(touches_);
+}
+
+std::string Contact::fault() const {
+  if (went_through_) return "the step leads the two through each other; take a shorter one";
+  if (unseen_overlap_ > 0)
+    return "edges of the two cross, " + format_real(unseen_overlap_) +
+           " m deep, where neither has a node; make the mesh finer";
+  return {};
 }
 
 }  // namespace sutura::contact

@@ -8,7 +8,6 @@
 #include "contact_memory.h"
 #include "rigid_tool.h"
 #include "sutura/describe.h"
-#include "sutura/passage.h"
 
 namespace sutura::contact {
 
@@ -22,14 +21,14 @@ class Contact : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   Real free_way() const override { return pair_->free_way(); }
+  std::string fault() const override;
 
  private:
   void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
-  std::unique_ptr<Pair> make_pair(Setup& setup);
+  std::unique_ptr<Pair> make_pair(Setup& setup) const;
 
   Link<Body> first_, second_;
   Link<RigidTool> tool_;
-  Link<Passage> passage_;
   Real friction_ = 0.2;
   Real compliance_ = 0;
 
@@ -41,6 +40,8 @@ class Contact : public Component, public ConstraintSource {
   Vec3 force_ = Vec3::Zero();  ///< on the first
   Index closed_ = 0;
   Real largest_force_ = 0;
+  bool went_through_ = false;
+  Real unseen_overlap_ = 0;  ///< m
 };
 
 }  // namespace sutura::contact

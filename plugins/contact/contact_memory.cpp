@@ -17,11 +17,11 @@ Real ContactMemory::between(Real low, Real high) const {
 /// `met_` is sorted by the first place: only those within the tolerance are compared.
 void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
   taken_.assign(met_.size(), 0);
+  places_.clear();
   const std::size_t known = met_.size();
   for (Touch& t : touches) {
     const Pair::Tolerance near = pair.tolerance(t);
-    auto it = std::lower_bound(met_.begin(), met_.begin() + static_cast<std::ptrdiff_t>(known),
-                               t.first_place - near.first,
+    auto it = std::lower_bound(met_.begin(), met_.end(), t.first_place - near.first,
                                [](const Known& k, Real place) { return k.first < place; });
     std::size_t best = known;
     Real least = std::numeric_limits<Real>::infinity();
@@ -36,13 +36,20 @@ void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
       taken_[best] = 1;
       t.id = met_[best].id;
       t.left_over = met_[best].left_over;
-      met_[best].first = t.first_place, met_[best].second = t.second_place;
     } else {
       t.id = next_id_++;
-      met_.push_back({t.id, t.first_place, t.second_place, Vec2::Zero()});
     }
+    places_.push_back({t.id, t.first_place, t.second_place, t.left_over});
   }
-  std::sort(met_.begin(), met_.end(), [](const Known& a, const Known& b) {
+  // Where they are now, and those that were not found this time where they were.
+  for (std::size_t i = 0; i < known; ++i)
+    if (!taken_[i]) places_.push_back(met_[i]);
+  met_.swap(places_);
+  sort(met_);
+}
+
+void ContactMemory::sort(std::vector<Known>& all) {
+  std::sort(all.begin(), all.end(), [](const Known& a, const Known& b) {
     return a.first != b.first ? a.first < b.first : a.id < b.id;
   });
 }
@@ -51,9 +58,7 @@ void ContactMemory::remember(const std::vector<Touch>& touches) {
   known_.clear();
   for (const Touch& t : touches)
     if (t.carries) known_.push_back({t.id, t.first_place, t.second_place, t.left_over});
-  std::sort(known_.begin(), known_.end(), [](const Known& a, const Known& b) {
-    return a.first != b.first ? a.first < b.first : a.id < b.id;
-  });
+  sort(known_);
 }
 
 void ContactMemory::archive(Archive& a) {

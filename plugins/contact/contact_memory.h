@@ -28,8 +28,10 @@ class ContactMemory : public TouchedPlaces {
     Real first = 0, second = 0;
     Vec2 left_over = Vec2::Zero();
   };
+  static void sort(std::vector<Known>& all);
   std::vector<Known> known_, met_;  ///< at the start of the step; in its passes
   std::vector<char> taken_;
+  std::vector<Known> places_;  ///< what becomes of `met_`
   std::uint64_t next_id_ = 0;
 };
 

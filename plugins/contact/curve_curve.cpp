@@ -4,8 +4,6 @@
 #include <limits>
 #include <numbers>
 
-#include "pose_maths.h"
-
 namespace sutura::contact {
 namespace {
 
@@ -15,7 +13,7 @@ constexpr Real node_margin = 0.25;  // and at nodes of strands that run along ea
 constexpr Real clearance = 0.5;     // centrelines may come as near to each other on their ways
 constexpr Real dip = 0.05;          // what strands may be nearer than at the touches beside
 // In units of the length of a segment.
-constexpr Real at_node = 0.05;
+constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 constexpr Real doubles = 0.05;  // touches closer than this on both are one
 // Strands run along each other if the cosine between them is larger.
 constexpr Real along = 0.5;
@@ -225,11 +223,6 @@ void CurveCurve::drop_doubles(std::vector<Touch>& touches, std::size_t from) {
 }
 
 Vec3 CurveCurve::slip(const Touch& t) const {
-  const auto moved = [](const SegmentedCurve& curve, Real s, const Vec3& arm) {
-    const Pose was = curve.frame(s, Configuration::start);
-    const Pose is = curve.frame(s, Configuration::current);
-    return Vec3(is.position + arm - at(was, is.rotation.conjugate() * arm));
-  };
   return moved(first_, t.first_place, t.first_arm) - moved(second_, t.second_place, t.second_arm);
 }
 
@@ -253,9 +246,8 @@ void CurveCurve::couple_alone(const Touch& t, bool first, BlockId block, const V
 
 Pair::Tolerance CurveCurve::tolerance(const Touch& t) const {
   const auto length = [](const MovingCurve& curve, Real s) {
-    const auto it = std::lower_bound(curve.now.begin(), curve.now.end() - 1, s,
-                                     [](const CurveSegment& g, Real at) { return g.to < at; });
-    return it->length() + 2 * it->radius;
+    const CurveSegment& segment = curve.segment_at(s);
+    return segment.length() + 2 * segment.radius;
   };
   return {length(a_, t.first_place) / 4, length(b(), t.second_place) / 2};
 }

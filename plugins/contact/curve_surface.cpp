@@ -1,9 +1,8 @@
 #include "curve_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "pose_maths.h"
 
 namespace sutura::contact {
 namespace {
@@ -15,7 +14,7 @@ constexpr Real dip = 0.05;       // what a curve may be nearer than at its touch
 constexpr Real mouth = 3;        // around the mouth of a channel, the channel holds the curve
 constexpr Real point = 6;        // so long is a needle's point, which presses by a law of its own
 // In units of the length of a segment.
-constexpr Real at_node = 0.05;
+constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int parts = 2;          // chords of a segment
 constexpr Real other_side = 0.7;  // sides whose normals are closer than this (cosine) are one
@@ -32,7 +31,8 @@ void CurveSurface::look(bool standing) {
     s.low -= mouth * curve_.radius(s.low);
     s.high += mouth * curve_.radius(s.high);
   }
-  if (curve_.needle_length() > 0) inside_.push_back({0, point * curve_.radius(0)});
+  if (passage_ != nullptr && curve_.needle_length() > 0)
+    inside_.push_back({0, point * curve_.radius(0)});
 }
 
 bool CurveSurface::is_inside(Real low, Real high) const {
@@ -51,6 +51,20 @@ CurveSurface::Near CurveSurface::closest(const CurveSegment& s, Index t, const C
     if (!(distance < best.distance)) continue;
     const Vec3 foot = pair.weights[0] * at[0] + pair.weights[1] * at[1] + pair.weights[2] * at[2];
     best = {t, (k + pair.s) / parts, pair.weights, chord.at(pair.s) - foot, distance};
+  }
+  // From the chord to the curve, where that matters.
+  constexpr Real near = 4;  // radii
+  for (int k = 0; k < 8 && best.distance > 0 && best.distance < near * s.radius; ++k) {
+    best = closest_to(s, best.u, t, at);
+    const Vec3 slope = s.slope(best.u);
+    const Real rise = best.apart.dot(slope);
+    const Real bend = std::max(slope.squaredNorm() + best.apart.dot(s.second(best.u)),
+                               Real(0.1) * slope.squaredNorm());
+    const Real u = std::clamp(best.u - rise / bend, 0., 1.);
+    if (std::abs(u - best.u) < 1e-9) break;
+    const Near next = closest_to(s, u, t, at);
+    if (!(next.distance < best.distance)) break;
+    best = next;
   }
   return best;
 }
@@ -74,11 +88,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   const Real r = s.radius;
   if (is_inside(s.from, s.to)) return;
   Box box;
-  for (const CurveSegment& c : {s, s0}) {
-    Vec3 hull[4];
-    MovingCurve::hull(c, hull);
-    for (const Vec3& p : hull) box.add(p);
-  }
+  MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
   around_.clear();
   surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
   if (around_.empty()) return;
@@ -87,13 +97,20 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   // Does the way lead through?
   const Vec3 common = s.xa - s0.xa;
   const Real own_motion = seen_.motion(i, common);
+  Real free = 1;
+  Near met;
   for (const Index t : around_) {
     const Real motion = own_motion + surface_.motion(t, common);
-    free_way_ = std::min(free_way_, way_through(motion, clearance * r, [&](Real now) {
-                           return closest(seen_.at(i, now), t, surface_.at(t, now)).distance;
-                         }));
+    const auto at = [&](Real now) { return closest(seen_.at(i, now), t, surface_.at(t, now)); };
+    const Real way = way_through(motion, clearance * r, [&](Real now) { return at(now).distance; });
+    if (way < free) free = way, met = at(way);
   }
-  if (free_way_ < 1) return;
+  if (free < 1) {
+    // A carried surface does not wait for what is in its way: so that is touched where they met.
+    free_way_ = std::min(free_way_, free);
+    if (met.distance > 0) touch(i, met, out);
+    return;
+  }
 
   // At the nodes, once for both segments that share one.
   Real nearest = std::numeric_limits<Real>::infinity();
@@ -154,16 +171,17 @@ void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out)
   t.second_place = t.normal.dot(Vec3(1, 2, 4));  // tells the sides of one node apart
   t.along = s.slope(at.u);
   const Corners corners = surface_.now(at.triangle);
-  t.at = at.weights[0] * corners[0] + at.weights[1] * corners[1] + at.weights[2] * corners[2];
-  t.first_arm = t.at - s.point(at.u);
-  t.gap = at.distance - s.radius;
+  const Vec3 foot =
+      at.weights[0] * corners[0] + at.weights[1] * corners[1] + at.weights[2] * corners[2];
+  const Vec3 apart = s.point(at.u) - foot;
+  const Real height = t.normal.dot(apart);
+  t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
+  t.at = s.point(at.u) + t.first_arm;
+  t.gap = height - s.radius;
 }
 
 Vec3 CurveSurface::slip(const Touch& t) const {
-  const Pose was = curve_.frame(t.first_place, Configuration::start);
-  const Pose is = curve_.frame(t.first_place, Configuration::current);
-  const Vec3 arm = is.rotation.conjugate() * t.first_arm;
-  return is.position + t.first_arm - at(was, arm) - surface_.moved(t.triangle, t.weights);
+  return moved(curve_, t.first_place, t.first_arm) - surface_.moved(t.triangle, t.weights);
 }
 
 void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
@@ -176,9 +194,7 @@ void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
 }
 
 Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
-  const auto it = std::lower_bound(seen_.now.begin(), seen_.now.end() - 1, t.first_place,
-                                   [](const CurveSegment& g, Real at) { return g.to < at; });
-  return {it->length() / 4, 1};
+  return {seen_.segment_at(t.first_place).length() / 4, 1};
 }
 
 Real CurveSurface::distance() const {
@@ -187,10 +203,12 @@ Real CurveSurface::distance() const {
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& s : now.seen_.now) {
     if (now.is_inside(s.from, s.to)) continue;
+    for (const Vec3& p : {s.xa, s.xb}) {
+      const Real depth = surface_.depth(p);
+      if (depth > 0) smallest = std::min(smallest, -depth - s.radius);
+    }
     Box box;
-    Vec3 hull[4];
-    MovingCurve::hull(s, hull);
-    for (const Vec3& p : hull) box.add(p);
+    MovingCurve::add_to(box, s);
     // Wider and wider, until something is in reach.
     for (Real near = 2 * s.radius; near < 1e3; near *= 4) {
       Real here = std::numeric_limits<Real>::infinity();

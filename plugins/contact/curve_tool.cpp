@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pose_maths.h"
-
 namespace sutura::contact {
 namespace {
 
@@ -14,7 +12,7 @@ constexpr Real margin = 1;       // a touch is built from this far, before there
 constexpr Real clearance = 0.5;  // a centreline may come as near to a surface on its way
 constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
 // In units of the length of a segment.
-constexpr Real at_node = 0.05;  // this close to a node, the node says the same
+constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int parts = 8;  // in which a segment is looked at
 
@@ -57,15 +55,25 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
   const Vec3 from = u > 0 ? seen_.start[i].xb : seen_.start[i].xa;
   const Vec3 to = u > 0 ? seen_.now[i].xb : seen_.now[i].xa;
   const Real motion = (to - from).norm();
-  const ShapeDistance begin = tool_.shape().at(from);
+  const ShapeDistance begin = tool_.shape().at(from), end = tool_.shape().at(to);
   if (begin.distance - motion > (1 + margin) * radius) return;
   const bool is_free = stays_off(begin, from, to, clearance * radius) ||
-                       stays_off(tool_.shape().at(to), to, from, clearance * radius);
+                       stays_off(end, to, from, clearance * radius);
   const Real way = is_free ? 1 : way_through(motion, clearance * radius, [&](Real time) {
     return tool_.shape().at(from + time * (to - from)).distance;
   });
+  if (way < 1)
+    bar(i, u, way, out);
+  else if (end.distance < (1 + margin) * radius)
+    touch(i, u, tool_.shape().facet(to), out);
+}
+
+/// A tool does not wait for what is in its way: where that goes back to where it was, it may still
+/// be on the wrong side of the tool. So it is touched where the two met, and has to come along.
+void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
   free_way_ = std::min(free_way_, way);
-  if (tool_.shape().at(to).distance < (1 + margin) * radius) touch(i, u, out);
+  const Vec3 p = seen_.at(i, way).point(u);
+  touch(i, u, tool_.shape().facet(p), out);
 }
 
 bool CurveTool::is_far(std::size_t i) const {
@@ -78,32 +86,26 @@ bool CurveTool::is_far(std::size_t i) const {
 void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
   if (is_far(i)) return;
   const Real radius = seen_.now[i].radius;
-  std::array<Real, parts + 1> d;
-  const auto look_at = [&](const CurveSegment& s) {
-    int lowest = 0;
-    for (int k = 0; k <= parts; ++k) {
-      d[k] = from_tool(s, Real(k) / parts).distance;
-      if (d[k] < d[lowest]) lowest = k;
-    }
-    return lowest;
-  };
-  int lowest = look_at(seen_.start[i]);
   const auto is_free = [&](const CurveSegment& seen) {
-    const Vec3 p = seen.point(Real(lowest) / parts);
+    const Vec3 p = seen.point(lowest(seen, radius).u);
     const ShapeDistance here = tool_.shape().at(p);
     const Real height = lowest_on_the_way(seen_.start[i], seen_.now[i], here.normal);
     return height - here.normal.dot(p) + here.distance >= clearance * radius;
   };
-  bool free = is_free(seen_.start[i]);
-  lowest = look_at(seen_.now[i]);
-  free = free || is_free(seen_.now[i]);
+  Lowest at;
+  const bool free = is_free(seen_.start[i]) || is_free(seen_.now[i]);
   const Real way = free ? 1 : way_through(seen_.motion(i), clearance * radius, [&](Real time) {
-    lowest = look_at(seen_.at(i, time));
-    return d[lowest];
+    at = lowest(seen_.at(i, time), radius);
+    return at.distance;
   });
-  free_way_ = std::min(free_way_, way);
-  if (way < 1) return;
+  if (way < 1) {
+    // The nodes have their own ways.
+    if (at.u > 0 && at.u < 1) bar(i, at.u, way, out);
+    return;
+  }
   const CurveSegment& s = seen_.now[i];
+  std::array<Real, parts + 1> d;
+  for (int k = 0; k <= parts; ++k) d[k] = from_tool(s, Real(k) / parts).distance;
   const auto is_near = [&](Real distance) { return distance < (1 + margin) * radius; };
   // What was touched before is touched again.
   Real nearest = std::min(d.front(), d.back());
@@ -112,15 +114,33 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
     if (std::isnan(place)) break;
     const Real u = (place - s.from) / s.length(), here = from_tool(s, u).distance;
     nearest = std::min(nearest, here);
-    if (is_near(here)) touch(i, u, out);
+    if (is_near(here)) touch(i, u, tool_.shape().facet(s.point(u)), out);
   }
   for (int k = 1; k < parts; ++k) {
     if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
     const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
-    if (here < nearest - dip * radius) touch(i, u, out);
+    if (here < nearest - dip * radius) touch(i, u, tool_.shape().facet(s.point(u)), out);
   }
+}
+
+CurveTool::Lowest CurveTool::lowest(const CurveSegment& s, Real exact) const {
+  Real least = std::numeric_limits<Real>::infinity(), spacing = 0;
+  int k = 0;
+  Vec3 before = s.point(0);
+  for (int j = 0; j <= parts; ++j) {
+    const Vec3 p = s.point(Real(j) / parts);
+    const Real d = tool_.shape().at(p).distance;
+    if (d < least) least = d, k = j;
+    spacing = std::max(spacing, (p - before).norm());
+    before = p;
+  }
+  if (least - spacing > exact) return {Real(k) / parts, least - spacing};
+  const Real u =
+      lowest_between(s, Real(std::max(k - 1, 0)) / parts, Real(std::min(k + 1, parts)) / parts);
+  const Real there = from_tool(s, u).distance;
+  return there < least ? Lowest{u, there} : Lowest{Real(k) / parts, least};
 }
 
 /// Where between two points of a segment, with a dip in between, its slope against the tool is 0.
@@ -132,29 +152,23 @@ Real CurveTool::lowest_between(const CurveSegment& s, Real low, Real high) const
   return (low + high) / 2;
 }
 
-void CurveTool::touch(std::size_t i, Real u, std::vector<Touch>& out) const {
+void CurveTool::touch(std::size_t i, Real u, const Facet& on, std::vector<Touch>& out) const {
   const CurveSegment& s = seen_.now[i];
-  const ShapeDistance d = from_tool(s, u);
+  const Vec3 p = s.point(u);
+  const Real height = on.normal.dot(p - on.foot);
   const Pose frame = tool_.placed(Configuration::current);
   Touch& t = out.emplace_back();
   t.first_place = s.abscissa(u);
-  t.normal = frame.rotation * d.normal;
+  t.normal = frame.rotation * on.normal;
   t.along = frame.rotation * s.slope(u);
-  t.second_local = s.point(u) - d.distance * d.normal;
+  t.second_local = p - height * on.normal;
   t.at = at(frame, t.second_local);
-  t.first_arm = -d.distance * t.normal;
-  t.gap = d.distance - s.radius;
+  t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
+  t.gap = height - s.radius;
 }
 
 Vec3 CurveTool::slip(const Touch& t) const {
-  const Real s = t.first_place;
-  const Pose was = curve_.frame(s, Configuration::start);
-  const Pose is = curve_.frame(s, Configuration::current);
-  const Vec3 arm = is.rotation.conjugate() * t.first_arm;
-  const Vec3 curve = is.position + t.first_arm - at(was, arm);
-  const Vec3 tool = at(tool_.placed(Configuration::current), t.second_local) -
-                    at(tool_.placed(Configuration::start), t.second_local);
-  return curve - tool;
+  return moved(curve_, t.first_place, t.first_arm) - tool_.moved(t.second_local);
 }
 
 void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,
@@ -164,14 +178,8 @@ void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,
   builder.couple(block, curve_, axes, J, t.at);
 }
 
-void CurveTool::tell_force(const Touch& t, const Vec3& force) {
-  tool_.add_force(-force, t.at);
-}
-
 Pair::Tolerance CurveTool::tolerance(const Touch& t) const {
-  std::size_t i = 0;
-  while (i + 1 < seen_.size() && seen_.now[i].to < t.first_place) ++i;
-  return {seen_.now[i].length() / 4, std::numeric_limits<Real>::infinity()};
+  return {seen_.segment_at(t.first_place).length() / 4, std::numeric_limits<Real>::infinity()};
 }
 
 Real CurveTool::distance() const {
@@ -181,8 +189,7 @@ Real CurveTool::distance() const {
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& world : segments) {
     const CurveSegment s = seen_from(frame, world);
-    for (int k = 0; k <= parts; ++k)
-      smallest = std::min(smallest, from_tool(s, Real(k) / parts).distance - s.radius);
+    smallest = std::min(smallest, lowest(s, smallest + s.radius).distance - s.radius);
   }
   return smallest;
 }

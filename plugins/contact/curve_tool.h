@@ -2,19 +2,17 @@
 #pragma once
 
 #include "moving_curve.h"
-#include "rigid_tool.h"
-#include "touch.h"
+#include "tool_pair.h"
 
 namespace sutura::contact {
 
-class CurveTool : public Pair {
+class CurveTool : public ToolPair {
  public:
-  CurveTool(const SegmentedCurve& curve, RigidTool& tool) : curve_(curve), tool_(tool) {}
+  CurveTool(const SegmentedCurve& curve, RigidTool& tool) : ToolPair(tool), curve_(curve) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
-  void tell_force(const Touch& touch, const Vec3& force) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -25,13 +23,20 @@ class CurveTool : public Pair {
   }
   void look();
   Real lowest_between(const CurveSegment& s, Real low, Real high) const;
+  /// Where on the segment it is nearest to the tool. No point of it is nearer than `distance`,
+  /// which is exact where it is less than `exact` (m).
+  struct Lowest {
+    Real u = 0, distance = 0;
+  };
+  Lowest lowest(const CurveSegment& s, Real exact) const;
   void find_at_node(std::size_t node, std::vector<Touch>& out);
   void find_inside(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
-  void touch(std::size_t segment, Real u, std::vector<Touch>& out) const;
+  /// The way is free up to a time, from which on `p` of the segment there would be too near.
+  void bar(std::size_t segment, Real u, Real way, std::vector<Touch>& out);
+  void touch(std::size_t segment, Real u, const Facet& on, std::vector<Touch>& out) const;
   bool is_far(std::size_t segment) const;
 
   const SegmentedCurve& curve_;
-  RigidTool& tool_;
   MovingCurve seen_;  ///< from the shape
 };
 

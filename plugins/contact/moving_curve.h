@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "pose_maths.h"
+#include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/curve_segments.h"
 
 namespace sutura::contact {
@@ -30,6 +32,16 @@ struct MovingCurve {
   static void hull(const CurveSegment& s, Vec3 (&points)[4]) {
     points[0] = s.xa, points[1] = s.xa + s.ma / 3, points[2] = s.xb - s.mb / 3, points[3] = s.xb;
   }
+  /// Now: the segment at this abscissa.
+  const CurveSegment& segment_at(Real s) const {
+    return *std::lower_bound(now.begin(), now.end() - 1, s,
+                             [](const CurveSegment& g, Real at) { return g.to < at; });
+  }
+  static void add_to(Box& box, const CurveSegment& s) {
+    Vec3 points[4];
+    hull(s, points);
+    for (const Vec3& p : points) box.add(p);
+  }
   /// No point of segment i moves further, less a `common` motion (m).
   Real motion(std::size_t i, const Vec3& common = Vec3::Zero()) const {
     Vec3 from[4], to[4];
@@ -48,6 +60,13 @@ struct MovingCurve {
     return std::sqrt(most);
   }
 };
+
+/// Displacement over the step of the material that is now away from the section at s by `arm` (m).
+inline Vec3 moved(const CurveBody& curve, Real s, const Vec3& arm) {
+  const Pose was = curve.frame(s, Configuration::start);
+  const Pose is = curve.frame(s, Configuration::current);
+  return is.position + arm - at(was, is.rotation.conjugate() * arm);
+}
 
 /// The lowest height over a plane that any point of the segment has on its way.
 inline Real lowest_on_the_way(const CurveSegment& start, const CurveSegment& now,

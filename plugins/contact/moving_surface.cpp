@@ -8,16 +8,36 @@ namespace sutura::contact {
 void MovingSurface::look(bool standing) {
   now_ = solid_.surface(Configuration::current);
   start_ = standing ? now_ : solid_.surface(Configuration::start);
-  if (!tree_) {
-    const TriangleSurface rest = solid_.surface(Configuration::rest);
-    std::vector<Vec3> centres;
-    for (Index t = 0; t < rest.size(); ++t) {
-      const Corners c = rest.corners(t);
-      centres.push_back((c[0] + c[1] + c[2]) / 3);
-    }
-    tree_ = std::make_unique<BoxTree>(centres);
-  }
+  if (!tree_) learn();
   tree_->refit(boxes_, [this](Index t) { return of(t); });
+}
+
+/// What stays as it is at rest: so a run that was interrupted finds the same.
+void MovingSurface::learn() {
+  const TriangleSurface rest = solid_.surface(Configuration::rest);
+  std::vector<Vec3> centres;
+  Real sum = 0;
+  for (Index t = 0; t < rest.size(); ++t) {
+    const Corners c = rest.corners(t);
+    centres.push_back((c[0] + c[1] + c[2]) / 3);
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum += (c[(k + 1) % 3] - c[k]).norm();
+      nodes_.push_back({nodes(t)[k], t, Vec3::Unit(static_cast<Index>(k))});
+    }
+  }
+  tree_ = std::make_unique<BoxTree>(centres);
+  edge_length_ = sum / static_cast<Real>(std::max<Index>(3 * rest.size(), 1));
+  std::stable_sort(nodes_.begin(), nodes_.end(),
+                   [](const SurfaceNode& a, const SurfaceNode& b) { return a.node < b.node; });
+  const auto same = [](const SurfaceNode& a, const SurfaceNode& b) { return a.node == b.node; };
+  nodes_.erase(std::unique(nodes_.begin(), nodes_.end(), same), nodes_.end());
+}
+
+Real MovingSurface::depth(const Vec3& p) const {
+  if (!solid_.locate(p, Configuration::current)) return 0;
+  constexpr Real anywhere = 1e6;  // m
+  const auto near = solid_.closest_surface(p, anywhere, Configuration::current);
+  return near ? std::abs(near->distance) : 0;
 }
 
 Box MovingSurface::of(Index t) const {

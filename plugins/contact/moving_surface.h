@@ -33,6 +33,18 @@ class MovingSurface {
   void jacobian(Index triangle, const Vec3& weights, PointJacobian& out) const {
     solid_.jacobian(solid_.on_surface(triangle, weights), out);
   }
+  /// May p be inside of the solid? If not, it is not.
+  bool bounds(const Vec3& p) const { return !boxes_.empty() && boxes_[0].squared_distance(p) == 0; }
+  /// How deep a point is inside of the solid, now (m); 0 outside.
+  Real depth(const Vec3& p) const;
+  /// Nodes of the surface by ascending number, each as a corner of one of its triangles.
+  struct SurfaceNode {
+    Index node = -1, triangle = -1;
+    Vec3 weights = Vec3::Zero();
+  };
+  const std::vector<SurfaceNode>& surface_nodes() const { return nodes_; }
+  /// Mean length of the edges of the triangles, at rest (m).
+  Real edge_length() const { return edge_length_; }
   /// Calls `item(triangle)` for those whose way may meet the box.
   template <class Item>
   void near(const Box& box, const Item& item) const {
@@ -46,11 +58,14 @@ class MovingSurface {
 
  private:
   Box of(Index triangle) const;
+  void learn();
 
   const MeshedSolid& solid_;
   TriangleSurface start_, now_;
   std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
   BoxTree::Boxes boxes_;
+  std::vector<SurfaceNode> nodes_;
+  Real edge_length_ = 0;
 };
 
 }  // namespace sutura::contact

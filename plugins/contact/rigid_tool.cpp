@@ -41,6 +41,10 @@ void RigidTool::initialise(Setup& setup) {
     setup.error(*this, "'axis' is zero; expected a direction");
     return;
   }
+  if (kind_ == Shape::Kind::cylinder && !(length_ > 0)) {
+    setup.error(*this, "'length' of a cylinder is zero; expected more, or a flat box");
+    return;
+  }
   shape_ = {.kind = kind_, .radius = radius_, .half_length = length_ / 2, .half_size = size_ / 2};
   if (kind_ == Shape::Kind::sphere) shape_.half_length = 0;
   const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
@@ -62,6 +66,10 @@ void RigidTool::drive(const StepContext&) {
 Pose RigidTool::placed(Configuration c) const {
   if (!motion_ || c == Configuration::rest) return as_modelled_;
   return compose(c == Configuration::start ? motion_->start_pose() : motion_->pose(), as_modelled_);
+}
+
+Vec3 RigidTool::moved(const Vec3& local) const {
+  return at(placed(Configuration::current), local) - at(placed(Configuration::start), local);
 }
 
 void RigidTool::add_force(const Vec3& force, const Vec3& at) {

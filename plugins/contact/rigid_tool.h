@@ -20,6 +20,8 @@ class RigidTool : public Component, public Driver, public Drawing {
   const Shape& shape() const { return shape_; }
   /// The frame of the shape, at the start of the step or now: at its end.
   Pose placed(Configuration c) const;
+  /// Displacement over the step of a point of the shape, seen from it (m).
+  Vec3 moved(const Vec3& local) const;
   /// Of a contact, on the tool, over the step.
   void add_force(const Vec3& force, const Vec3& at);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace sutura::contact {
@@ -53,6 +54,41 @@ ShapeDistance Shape::at(const Vec3& p) const {
       return box(p, half_size);
   }
   return {};
+}
+
+Vec3 Shape::core(const Vec3& p, Real layer) const {
+  switch (kind) {
+    case Kind::plane:
+      break;
+    case Kind::sphere:
+    case Kind::capsule:
+      return std::clamp(p.z(), -half_length, half_length) * Vec3::UnitZ();
+    case Kind::cylinder: {
+      const Real r = std::hypot(p.x(), p.y()), most = radius - layer;
+      const Real in = r > most ? most / r : 1, top = half_length - layer;
+      return {in * p.x(), in * p.y(), std::clamp(p.z(), -top, top)};
+    }
+    case Kind::box: {
+      const Vec3 most = half_size.array() - layer;
+      return p.cwiseMax(-most).cwiseMin(most);
+    }
+  }
+  return p;
+}
+
+Real Shape::half_thickness() const {
+  switch (kind) {
+    case Kind::plane:
+      break;
+    case Kind::sphere:
+    case Kind::capsule:
+      return radius;
+    case Kind::cylinder:
+      return std::min(radius, half_length);
+    case Kind::box:
+      return half_size.minCoeff();
+  }
+  return std::numeric_limits<Real>::infinity();
 }
 
 std::vector<Vec3> Shape::wireframe() const {

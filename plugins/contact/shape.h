@@ -14,6 +14,12 @@ struct ShapeDistance {
   Vec3 normal = Vec3::UnitZ();
 };
 
+/// The plane through a point of the surface; the shape, being convex, is behind it.
+struct Facet {
+  Vec3 normal;  ///< unit, outward
+  Vec3 foot;    ///< m
+};
+
 /// In a frame of its own: centre at the origin, axis along z (a plane: its normal).
 struct Shape {
   enum class Kind { plane, sphere, capsule, cylinder, box };
@@ -23,6 +29,18 @@ struct Shape {
   Vec3 half_size{Vec3::Zero()};  ///< of the box (m)
 
   ShapeDistance at(const Vec3& p) const;
+  /// At the point of the surface closest to p.
+  Facet facet(const Vec3& p) const {
+    const ShapeDistance d = at(p);
+    return {d.normal, p - d.distance * d.normal};
+  }
+  /// Without edges: all points of the surface are as far from a point or a line.
+  bool is_round() const { return kind == Kind::sphere || kind == Kind::capsule; }
+  /// The point closest to p of what is left without a layer of the surface (m): of round shapes the
+  /// centre or the axis, whatever the layer. Not of a plane.
+  Vec3 core(const Vec3& p, Real layer) const;
+  /// From the middle to the nearest side (m); infinite for a plane.
+  Real half_thickness() const;
   /// Lines that show it, as pairs of points.
   std::vector<Vec3> wireframe() const;
 };

@@ -1,5 +1,6 @@
 #include "surface_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,10 +13,6 @@ constexpr Real margin = 0.25;  // a touch is built from this far, before there i
 constexpr Real beside = 0.1;   // a node may stand so far beside a triangle
 // Cosine between the normal of a node and that of a triangle that faces it, at most.
 constexpr Real facing = -0.2;
-
-class Nowhere : public TouchedPlaces {
-  Real between(Real, Real) const override { return std::numeric_limits<Real>::quiet_NaN(); }
-};
 
 }  // namespace
 
@@ -33,108 +30,140 @@ void SurfaceSurface::add_normals(const MovingSurface& surface, std::vector<Vec3>
 }
 
 Real SurfaceSurface::edge_length() const {
-  Real sum = 0;
-  const Index count = second().triangles();
-  for (Index t = 0; t < count; ++t) {
-    const Corners c = second().now(t);
-    sum += (c[1] - c[0]).norm() + (c[2] - c[1]).norm() + (c[0] - c[2]).norm();
-  }
-  return count > 0 ? sum / static_cast<Real>(3 * count) : 0;
+  return std::min(first_.edge_length(), second().edge_length());
 }
 
 void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
+  free_way_ = 1;
   first_.look();
   add_normals(first_, normals_first_);
-  if (is_self_) {
-    meet(first_, normals_first_, first_, 1, out);
-  } else {
+  if (!is_self_) {
     second_.look();
     add_normals(second_, normals_second_);
-    meet(first_, normals_first_, second_, 1, out);
-    meet(second_, normals_second_, first_, -1, out);
   }
+  const Real reach = margin * edge_length();
+  meet(false, reach, out);
+  if (!is_self_) meet(true, reach, out);
   drop_doubles(out);
 }
 
-void SurfaceSurface::meet(const MovingSurface& nodes, const std::vector<Vec3>& normals,
-                          const MovingSurface& faces, Real sign, std::vector<Touch>& out) const {
-  const Real edge = reach_ * edge_length();
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (normals[i].isZero(0)) continue;
-    const auto node = static_cast<Index>(i);
-    const Vec3 p = nodes.point(node), outward = normals[i].normalized();
+void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {
+  const MovingSurface& nodes = nodes_are_second ? second() : first_;
+  const MovingSurface& faces = nodes_are_second ? first_ : second();
+  const std::vector<Vec3>& normals = nodes_are_second ? normals_second_ : normals_first_;
+  const Real edge = edge_length();
+  const Real around = std::max(reach, depth * edge), aside = beside * around / depth;
+  for (const MovingSurface::SurfaceNode& n : nodes.surface_nodes()) {
+    const Index node = n.node;
+    const Vec3 p = nodes.point(node);
+    const Vec3 outward = normals[static_cast<std::size_t>(node)].normalized();
     Box box;
-    box.add(p);
+    box.add(p), box.add(p - nodes.moved(node));
     Touch best;
-    Real least = std::numeric_limits<Real>::infinity();
-    faces.near(box.grown(depth * edge), [&](Index t) {
+    Real least = std::numeric_limits<Real>::infinity(), free = 1;
+    const auto take = [&](Index t, const Vec3& weights, const Vec3& normal) {
+      const Corners c = faces.now(t);
+      best.triangle = t;
+      best.weights = weights;
+      best.normal = nodes_are_second ? Vec3(-normal) : normal;
+      best.at = weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
+      best.gap = normal.dot(p - best.at);
+    };
+    faces.near(box.grown(around), [&](Index t) {
       const auto& corners = faces.nodes(t);
       const bool own =
           &nodes == &faces && (corners[0] == node || corners[1] == node || corners[2] == node);
       const Vec3 n = faces.normal(t);
       if (own || n.dot(outward) > facing) return;
+      const Passing way = passing(nodes, node, faces, t);
+      if (way.free < free) {
+        free = way.free;
+        take(t, way.weights, n);
+      }
+      if (free < 1) return;
       const Corners c = faces.now(t);
       const TrianglePoint foot = closest_point(p, c);
-      const Vec3 at = foot.on(c), apart = p - at;
+      const Vec3 apart = p - foot.on(c);
       const Real height = n.dot(apart), distance = apart.norm();
       // Further beside the triangle nothing touches, however near: whether it does must not change
       // as the gap closes.
-      if (distance > depth * edge || (apart - height * n).norm() > beside * edge) return;
-      if (height > margin * edge) return;
+      if ((apart - height * n).norm() > aside) return;
+      if (height > reach || height < -depth * edge) return;
       if (distance > least || (distance == least && t > best.triangle)) return;
       least = distance;
-      best.first_place = static_cast<Real>(node);
-      best.triangle = t;
-      best.weights = foot.weights;
-      best.normal = sign * n;
-      best.along = n.unitOrthogonal();
-      best.at = at;
-      best.gap = height;
-      if (foot.corner >= 0)
-        best.second_place = static_cast<Real>(corners[static_cast<std::size_t>(foot.corner)]);
-      else
-        best.second_place = -1;
+      take(t, foot.weights, n);
     });
+    free_way_ = std::min(free_way_, free);
     if (best.triangle < 0) continue;
-    best.nodes_are_second = sign < 0;
+    best.node = node;
+    best.nodes_are_second = nodes_are_second;
+    best.first_place = static_cast<Real>(nodes_are_second ? -1 - node : node);
+    best.along = best.normal.unitOrthogonal();
     out.push_back(best);
   }
 }
 
-/// Two nodes at one place meet each other twice.
-void SurfaceSurface::drop_doubles(std::vector<Touch>& out) const {
+SurfaceSurface::Passing SurfaceSurface::passing(const MovingSurface& nodes, Index node,
+                                                const MovingSurface& faces, Index t) const {
+  const Real limit = -depth * edge_length();
+  const Vec3 to = nodes.point(node), from = to - nodes.moved(node);
+  const auto height = [&](Real time) {
+    const Corners c = faces.at(t, time);
+    const Vec3 n = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    return n.dot(from + time * (to - from) - c[0]);
+  };
+  if (height(1) >= limit || height(0) < limit) return {};
+  Real low = 0, high = 1;
+  if (height(0) <= 0)
+    high = 0;
+  else
+    for (int k = 0; k < 30; ++k) {
+      const Real middle = (low + high) / 2;
+      (height(middle) > 0 ? low : high) = middle;
+    }
+  const Corners c = faces.at(t, high);
+  const Vec3 p = from + high * (to - from);
+  const TrianglePoint foot = closest_point(p, c);
+  if ((p - foot.on(c)).norm() > beside * edge_length()) return {};
+  return {low, foot.weights};
+}
+
+/// Two nodes at one place meet each other twice. The one of the first surface stays, or of two of
+/// one surface that with the smaller number.
+void SurfaceSurface::drop_doubles(std::vector<Touch>& out) {
+  const auto meets = [&](const Touch& t) {
+    Index corner = -1;
+    const Real weight = t.weights.maxCoeff(&corner);
+    return weight == 1 ? faces_of(t).nodes(t.triangle)[static_cast<std::size_t>(corner)]
+                       : Index{-1};
+  };
+  met_.assign(normals_first_.size(), -1);
+  for (const Touch& t : out)
+    if (!t.nodes_are_second) met_[static_cast<std::size_t>(t.node)] = meets(t);
   std::erase_if(out, [&](const Touch& t) {
-    if (t.second_place < 0) return false;
-    for (const Touch& o : out)
-      if (&o != &t && o.second_place == t.first_place && o.first_place == t.second_place &&
-          (is_self_ || o.nodes_are_second != t.nodes_are_second) && o.first_place < t.first_place)
-        return true;
-    return false;
+    const Index other = meets(t);
+    if (other < 0 || (is_self_ ? other > t.node : !t.nodes_are_second)) return false;
+    return met_[static_cast<std::size_t>(other)] == t.node;
   });
 }
 
 Vec3 SurfaceSurface::slip(const Touch& t) const {
-  const MovingSurface& nodes = t.nodes_are_second ? second() : first_;
-  const MovingSurface& faces = t.nodes_are_second ? first_ : second();
-  const Vec3 slip =
-      nodes.moved(static_cast<Index>(t.first_place)) - faces.moved(t.triangle, t.weights);
+  const Vec3 slip = nodes_of(t).moved(t.node) - faces_of(t).moved(t.triangle, t.weights);
   return t.nodes_are_second ? Vec3(-slip) : slip;
 }
 
 void SurfaceSurface::couple(const Touch& t, BlockId block, const Directions& axes,
                             ConstraintBuilder& builder) const {
-  const MovingSurface& nodes = t.nodes_are_second ? second() : first_;
-  const MovingSurface& faces = t.nodes_are_second ? first_ : second();
   const Directions on_nodes = t.nodes_are_second ? Directions(-axes) : axes;
   PointJacobian J;
   J.nodes = 1;
   J.width = 3;
-  J.node[0] = static_cast<Index>(t.first_place);
+  J.node[0] = t.node;
   J.coefficients = Mat3::Identity();
-  const auto couple_nodes = [&] { builder.couple(block, nodes.solid(), on_nodes, J, t.at); };
+  const auto couple_nodes = [&] { builder.couple(block, nodes_of(t).solid(), on_nodes, J, t.at); };
   PointJacobian K;
-  faces.jacobian(t.triangle, t.weights, K);
-  const auto couple_faces = [&] { builder.couple(block, faces.solid(), -on_nodes, K, t.at); };
+  faces_of(t).jacobian(t.triangle, t.weights, K);
+  const auto couple_faces = [&] { builder.couple(block, faces_of(t).solid(), -on_nodes, K, t.at); };
   // The first coupling is that of the first body: its force is the one that is drawn.
   if (t.nodes_are_second)
     couple_faces(), couple_nodes();
@@ -146,11 +175,77 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch&) const {
   return {0.5, std::numeric_limits<Real>::infinity()};
 }
 
+Real SurfaceSurface::edges_inside(const MovingSurface& edges, const MovingSurface& solid,
+                                  const std::vector<char>& touched) {
+  Real deepest = 0;
+  for (Index t = 0; t < edges.triangles(); ++t) {
+    const auto& nodes = edges.nodes(t);
+    const auto is_touched = [&](Index node) {
+      return touched[static_cast<std::size_t>(node)] != 0;
+    };
+    if (std::any_of(nodes.begin(), nodes.end(), is_touched)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index from = nodes[k], to = nodes[(k + 1) % 3];
+      if (from > to) continue;  // the triangle beside has it too
+      for (const Real u : {0.25, 0.5, 0.75}) {
+        const Vec3 p = edges.point(from) + u * (edges.point(to) - edges.point(from));
+        if (solid.bounds(p)) deepest = std::max(deepest, solid.depth(p));
+      }
+    }
+  }
+  return deepest;
+}
+
+/// Two sharp edges that cross have no node in each other.
+Real SurfaceSurface::unseen_overlap(const std::vector<Touch>& touches) {
+  if (is_self_) return 0;
+  touched_first_.assign(normals_first_.size(), 0);
+  touched_second_.assign(normals_second_.size(), 0);
+  for (const Touch& t : touches) {
+    auto& nodes = t.nodes_are_second ? touched_second_ : touched_first_;
+    auto& faces = t.nodes_are_second ? touched_first_ : touched_second_;
+    nodes[static_cast<std::size_t>(t.node)] = 1;
+    for (const Index node : faces_of(t).nodes(t.triangle))
+      faces[static_cast<std::size_t>(node)] = 1;
+  }
+  const Real deepest = std::max(edges_inside(first_, second_, touched_first_),
+                                edges_inside(second_, first_, touched_second_));
+  return deepest > beside * edge_length() ? deepest : 0;
+}
+
+/// Of the nodes of one surface to the other.
+Real SurfaceSurface::smallest_distance(const MovingSurface& nodes, const MovingSurface& faces) {
+  Real smallest = std::numeric_limits<Real>::infinity();
+  constexpr Real anywhere = 1e6;  // m
+  for (const MovingSurface::SurfaceNode& n : nodes.surface_nodes()) {
+    const Vec3 p = nodes.point(n.node);
+    const Real inside = faces.depth(p);
+    if (inside > 0)
+      smallest = std::min(smallest, -inside);
+    else if (const auto near = faces.solid().closest_surface(p, std::clamp(smallest, 0., anywhere),
+                                                             Configuration::current))
+      smallest = std::min(smallest, std::abs(near->distance));
+  }
+  return smallest;
+}
+
 Real SurfaceSurface::distance() const {
   SurfaceSurface now(first_.solid(), second().solid());
+  now.first_.look(true);
+  if (!is_self_) {
+    now.second_.look(true);
+    add_normals(now.first_, now.normals_first_);
+    add_normals(now.second_, now.normals_second_);
+    const Real unseen = now.unseen_overlap({});
+    const Real nodes = std::min(smallest_distance(now.first_, now.second_),
+                                smallest_distance(now.second_, now.first_));
+    return unseen > 0 ? std::min(nodes, -unseen) : nodes;
+  }
+  // Of one with itself only what faces each other counts, wider and wider until something does.
+  add_normals(now.first_, now.normals_first_);
   std::vector<Touch> touches;
-  // Wider and wider, until something is in reach.
-  for (; touches.empty() && now.reach_ < 1e3; now.reach_ *= 4) now.find(Nowhere(), touches);
+  for (Real reach = margin * edge_length(); touches.empty() && reach < 1e3; reach *= 4)
+    now.meet(false, reach, touches);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const Touch& t : touches) smallest = std::min(smallest, t.gap);
   return smallest;

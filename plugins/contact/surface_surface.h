@@ -15,22 +15,45 @@ class SurfaceSurface : public Pair {
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
+  Real unseen_overlap(const std::vector<Touch>& touches) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
  private:
   const MovingSurface& second() const { return is_self_ ? first_ : second_; }
-  static void add_normals(const MovingSurface& surface, std::vector<Vec3>& normals);
-  /// Nodes of one surface against the other. `sign`: -1 where the nodes are those of the second.
-  void meet(const MovingSurface& nodes, const std::vector<Vec3>& normals,
-            const MovingSurface& faces, Real sign, std::vector<Touch>& out) const;
-  void drop_doubles(std::vector<Touch>& out) const;
+  /// The node of a touch is one of the first, its triangle one of the second; or the other way
+  /// round.
+  const MovingSurface& nodes_of(const Touch& t) const {
+    return t.nodes_are_second ? second() : first_;
+  }
+  const MovingSurface& faces_of(const Touch& t) const {
+    return t.nodes_are_second ? first_ : second();
+  }
+  /// In units of length: how far a touch reaches.
   Real edge_length() const;
+  static void add_normals(const MovingSurface& surface, std::vector<Vec3>& normals);
+  /// Nodes of one surface against the other. `reach`: in front of it (m).
+  void meet(bool nodes_are_second, Real reach, std::vector<Touch>& out);
+  /// Where on its way a node goes through a triangle, deeper than touches see: until when it is
+  /// free, and where on the triangle; 1 if it does not.
+  struct Passing {
+    Real free = 1;
+    Vec3 weights = Vec3::Zero();
+  };
+  Passing passing(const MovingSurface& nodes, Index node, const MovingSurface& faces,
+                  Index triangle) const;
+  void drop_doubles(std::vector<Touch>& out);
+  /// How deep edges of one are inside of the other, at their quarters. `touched`: by node; edges of
+  /// triangles with such a node are left out.
+  static Real edges_inside(const MovingSurface& edges, const MovingSurface& solid,
+                           const std::vector<char>& touched);
+  static Real smallest_distance(const MovingSurface& nodes, const MovingSurface& faces);
 
   MovingSurface first_, second_;
   bool is_self_;
-  Real reach_ = 1;                                    ///< times as far as touches are built from
   std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside
+  std::vector<char> touched_first_, touched_second_;  ///< by node
+  std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
 };
 
 }  // namespace sutura::contact

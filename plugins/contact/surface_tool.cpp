@@ -12,35 +12,36 @@ namespace {
 // In units of the mean edge of the triangles.
 constexpr Real margin = 0.25;  // a touch is built from this far, before there is one
 constexpr Real dip = 0.01;     // what a triangle may be nearer than at its nodes
+constexpr Real depth = 0.25;   // deeper inside than this it is not taken for having come in here
+constexpr Real wide = 3;       // of a tool that is wide against the mesh
+constexpr Real shaved = 0.1;   // off a tool with edges, to find how deep they are inside
+// Nor deeper than this part of the way to the middle of the tool: there another side is nearer.
+constexpr Real half_way = 0.5;
 
 }  // namespace
 
-void SurfaceTool::learn_nodes() {
-  Real sum = 0;
-  for (Index t = 0; t < surface_.triangles(); ++t) {
-    const Corners c = surface_.now(t);
-    for (std::size_t k = 0; k < 3; ++k) {
-      sum += (c[(k + 1) % 3] - c[k]).norm();
-      const auto node = static_cast<std::size_t>(surface_.nodes(t)[k]);
-      if (node >= nodes_.size()) nodes_.resize(node + 1);
-      if (nodes_[node].triangle < 0) nodes_[node] = {t, Vec3::Unit(static_cast<Index>(k))};
-    }
+Vec3 SurfaceTool::seen(const Vec3& world, Configuration c) const {
+  return seen_from(tool_.placed(c), world);
+}
+
+Corners SurfaceTool::seen_at(Index t, Real time) const {
+  Corners from = surface_.at(t, 0), to = surface_.now(t);
+  for (std::size_t k = 0; k < 3; ++k) {
+    from[k] = seen(from[k], Configuration::start), to[k] = seen(to[k], Configuration::current);
+    to[k] = from[k] + time * (to[k] - from[k]);
   }
-  edge_ = sum / static_cast<Real>(std::max<Index>(3 * surface_.triangles(), 1));
+  return to;
 }
 
-Vec3 SurfaceTool::local(const Vec3& world) const {
-  return seen_from(tool_.placed(Configuration::current), world);
-}
-
-// Alternating projections: onto the tool, back onto the triangle. Both are convex, so that they
-// close in on the two nearest points.
+// Alternating projections: onto the core of the tool, back onto the triangle. Both are convex, so
+// that they close in on the two nearest points. Where the triangle meets the tool, they do so as
+// long as it does not meet the core.
 Vec3 SurfaceTool::nearest_weights(const Corners& seen) const {
+  const Real layer = std::min(shaved * surface_.edge_length(), tool_.shape().half_thickness() / 2);
   Vec3 weights = Vec3::Constant(Real(1) / 3);
   for (int i = 0; i < 30; ++i) {
     const Vec3 p = weights[0] * seen[0] + weights[1] * seen[1] + weights[2] * seen[2];
-    const ShapeDistance d = tool_.shape().at(p);
-    const Vec3 next = closest_point(Vec3(p - d.distance * d.normal), seen).weights;
+    const Vec3 next = closest_point(tool_.shape().core(p, layer), seen).weights;
     const bool stands = (next - weights).norm() < 1e-9;
     weights = next;
     if (stands) break;
@@ -48,55 +49,100 @@ Vec3 SurfaceTool::nearest_weights(const Corners& seen) const {
   return weights;
 }
 
-void SurfaceTool::find(const TouchedPlaces&, std::vector<Touch>& out) {
-  surface_.look();
-  if (nodes_.empty()) learn_nodes();
-  const Shape& shape = tool_.shape();
-  for (std::size_t node = 0; node < nodes_.size(); ++node) {
-    if (nodes_[node].triangle < 0) continue;
-    const Vec3 p = surface_.point(static_cast<Index>(node));
-    if (shape.at(local(p)).distance < margin * edge_)
-      touch(static_cast<Real>(node), nodes_[node], out);
-  }
-  if (shape.kind == Shape::Kind::plane) return;  // nowhere nearer than at a node
-  const Real first = static_cast<Real>(nodes_.size());
-  for (Index t = 0; t < surface_.triangles(); ++t) {
-    Corners seen = surface_.now(t);
-    for (Vec3& p : seen) p = local(p);
-    Real at_nodes = std::numeric_limits<Real>::infinity(), size = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      at_nodes = std::min(at_nodes, shape.at(seen[k]).distance);
-      size = std::max(size, (seen[(k + 1) % 3] - seen[k]).norm());
-    }
-    if (at_nodes > size || at_nodes < 0) continue;
-    const Vec3 weights = nearest_weights(seen);
-    const Vec3 p = weights[0] * seen[0] + weights[1] * seen[1] + weights[2] * seen[2];
-    const Real distance = shape.at(p).distance;
-    if (distance < margin * edge_ && distance < at_nodes - dip * edge_)
-      touch(first + static_cast<Real>(t), {t, weights}, out);
-  }
+Real SurfaceTool::distance_of(const Corners& seen) const {
+  const Vec3 w = nearest_weights(seen);
+  return tool_.shape().at(w[0] * seen[0] + w[1] * seen[1] + w[2] * seen[2]).distance;
 }
 
-void SurfaceTool::touch(Real name, const Place& place, std::vector<Touch>& out) const {
+template <class At>
+Real SurfaceTool::way_of(Real motion, const At& distance) const {
+  const Real allowed =
+      std::min(depth * surface_.edge_length(), half_way * tool_.shape().half_thickness());
+  return way_through(motion, allowed, [&](Real time) { return distance(time) + 2 * allowed; });
+}
+
+void SurfaceTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
+  surface_.look();
+  free_way_ = 1;
+  for (std::size_t k = 0; k < surface_.surface_nodes().size(); ++k) find_at_node(k, out);
+  if (tool_.shape().kind == Shape::Kind::plane) return;  // nowhere nearer than at a node
+  for (Index t = 0; t < surface_.triangles(); ++t) find_inside(t, before, out);
+}
+
+/// A tool does not wait for what is in its way: where that goes back to where it was, it may still
+/// be on the wrong side of the tool. So it is touched where the two met, and has to come along.
+void SurfaceTool::find_at_node(std::size_t number, std::vector<Touch>& out) {
+  const MovingSurface::SurfaceNode& n = surface_.surface_nodes()[number];
+  const Vec3 now = surface_.point(n.node);
+  const Vec3 from = seen(now - surface_.moved(n.node), Configuration::start);
+  const Vec3 to = seen(now, Configuration::current);
+  const Real motion = (to - from).norm();
+  const Real reach = margin * surface_.edge_length();
+  const auto on_the_way = [&](Real time) { return Vec3(from + time * (to - from)); };
+  if (tool_.shape().at(from).distance - motion > reach) return;
+  // A plane has no other side.
+  const Real way = tool_.shape().kind == Shape::Kind::plane ? 1 : way_of(motion, [&](Real time) {
+    return tool_.shape().at(on_the_way(time)).distance;
+  });
+  free_way_ = std::min(free_way_, way);
+  if (way < 1 || tool_.shape().at(to).distance < reach)
+    touch(static_cast<Real>(n.node), {n.triangle, n.weights}, tool_.shape().facet(on_the_way(way)),
+          out);
+}
+
+void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<Touch>& out) {
+  const Corners from = seen_at(t, 0), to = seen_at(t, 1);
+  const Shape& shape = tool_.shape();
+  Real at_nodes = std::numeric_limits<Real>::infinity(), begin = at_nodes, size = 0, motion = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    at_nodes = std::min(at_nodes, shape.at(to[k]).distance);
+    begin = std::min(begin, shape.at(from[k]).distance);
+    for (const Corners& c : {from, to}) size = std::max(size, (c[(k + 1) % 3] - c[k]).norm());
+    motion = std::max(motion, (to[k] - from[k]).norm());
+  }
+  const Real edge = surface_.edge_length();
+  if (begin - size - motion > margin * edge) return;
+  const Real way = way_of(motion, [&](Real time) { return distance_of(seen_at(t, time)); });
+  const Corners there = seen_at(t, way);
+  const Vec3 weights = nearest_weights(there);
+  const Vec3 p = weights[0] * there[0] + weights[1] * there[1] + weights[2] * there[2];
+  const Real distance = shape.at(p).distance;
+  free_way_ = std::min(free_way_, way);
+  // The numbers of triangles begin after those of nodes. Nodes have ways of their own.
+  const Real name = static_cast<Real>(surface_.surface_nodes().back().node + 1 + t);
+  constexpr Real at_node = 1 - 1e-6;
+  if (way < 1) {
+    if (weights.maxCoeff() < at_node) touch(name, {t, weights}, shape.facet(p), out);
+    return;
+  }
+  if (distance > margin * edge) return;
+  // A rim always cuts a little into the triangles around the nodes that it presses; a wide round
+  // tool into all, by a sixth of the square of the edge over its radius. There nodes are enough: a
+  // touch between them would move by that radius as the triangle tilts, and passes to and fro.
+  const bool is_between = shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge;
+  const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
+  if (is_between && (was_touched || distance < at_nodes - dip * edge))
+    touch(name, {t, weights}, shape.facet(p), out);
+}
+
+void SurfaceTool::touch(Real name, const Place& place, const Facet& on,
+                        std::vector<Touch>& out) const {
   const Pose frame = tool_.placed(Configuration::current);
   const Corners c = surface_.now(place.triangle);
   const Vec3 p = place.weights[0] * c[0] + place.weights[1] * c[1] + place.weights[2] * c[2];
-  const ShapeDistance d = tool_.shape().at(seen_from(frame, p));
   Touch& t = out.emplace_back();
   t.first_place = name;
   t.triangle = place.triangle;
   t.weights = place.weights;
-  t.normal = frame.rotation * d.normal;
+  t.normal = frame.rotation * on.normal;
   t.along = t.normal.unitOrthogonal();
   t.at = p;
   t.second_local = seen_from(frame, p);
-  t.gap = d.distance;
+  t.gap = on.normal.dot(t.second_local - on.foot);
 }
 
 Vec3 SurfaceTool::slip(const Touch& t) const {
-  const Vec3 tool = at(tool_.placed(Configuration::current), t.second_local) -
-                    at(tool_.placed(Configuration::start), t.second_local);
-  return surface_.moved(t.triangle, t.weights) - tool;
+  return surface_.moved(t.triangle, t.weights) - tool_.moved(t.second_local);
 }
 
 void SurfaceTool::couple(const Touch& t, BlockId block, const Directions& axes,
@@ -106,22 +152,29 @@ void SurfaceTool::couple(const Touch& t, BlockId block, const Directions& axes,
   builder.couple(block, surface_.solid(), axes, J, t.at);
 }
 
-void SurfaceTool::tell_force(const Touch& t, const Vec3& force) {
-  tool_.add_force(-force, t.at);
-}
-
 Pair::Tolerance SurfaceTool::tolerance(const Touch&) const {
   return {0.5, std::numeric_limits<Real>::infinity()};
 }
 
 Real SurfaceTool::distance() const {
-  MovingSurface now(surface_.solid());
-  now.look(true);
+  SurfaceTool now(surface_.solid(), tool_);
+  now.surface_.look(true);
+  const Shape& shape = tool_.shape();
   Real smallest = std::numeric_limits<Real>::infinity();
-  for (Index t = 0; t < now.triangles(); ++t)
-    for (const Vec3& p : now.now(t))
-      smallest = std::min(smallest, tool_.shape().at(local(p)).distance);
-  return smallest;
+  for (const MovingSurface::SurfaceNode& n : now.surface_.surface_nodes()) {
+    const Vec3 p = seen(now.surface_.point(n.node), Configuration::current);
+    smallest = std::min(smallest, shape.at(p).distance);
+  }
+  if (shape.kind == Shape::Kind::plane) return smallest;
+  for (Index t = 0; t < now.surface_.triangles(); ++t) {
+    Corners c = now.surface_.now(t);
+    for (Vec3& p : c) p = seen(p, Configuration::current);
+    const Real size = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+    if (shape.at(c[0]).distance - size < smallest) smallest = std::min(smallest, distance_of(c));
+  }
+  // No surface may be near a tool that is inside.
+  const Real inside = now.surface_.depth(tool_.placed(Configuration::current).position);
+  return inside > 0 ? std::min(smallest, -inside - shape.half_thickness()) : smallest;
 }
 
 }  // namespace sutura::contact

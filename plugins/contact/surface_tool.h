@@ -2,20 +2,19 @@
 // triangle where the tool presses between them.
 #pragma once
 
+#include "moving_curve.h"
 #include "moving_surface.h"
-#include "rigid_tool.h"
-#include "touch.h"
+#include "tool_pair.h"
 
 namespace sutura::contact {
 
-class SurfaceTool : public Pair {
+class SurfaceTool : public ToolPair {
  public:
-  SurfaceTool(const MeshedSolid& solid, RigidTool& tool) : surface_(solid), tool_(tool) {}
+  SurfaceTool(const MeshedSolid& solid, RigidTool& tool) : ToolPair(tool), surface_(solid) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
-  void tell_force(const Touch& touch, const Vec3& force) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -24,17 +23,21 @@ class SurfaceTool : public Pair {
     Index triangle = -1;
     Vec3 weights = Vec3::Zero();
   };
-  /// A triangle of every node of the surface, and the mean length of edges.
-  void learn_nodes();
-  Vec3 local(const Vec3& world) const;
-  /// The point of a triangle that is nearest to the tool, of those outside of it.
+  Vec3 seen(const Vec3& world, Configuration c) const;
+  /// Seen from the tool, on its way.
+  Corners seen_at(Index triangle, Real time) const;
+  /// The point of a triangle that is nearest to the tool or deepest in it.
   Vec3 nearest_weights(const Corners& seen) const;
-  void touch(Real name, const Place& place, std::vector<Touch>& out) const;
+  Real distance_of(const Corners& seen) const;
+  /// Part of the way of a node or of a triangle on which nothing is deeper in the tool than touches
+  /// see.
+  template <class At>
+  Real way_of(Real motion, const At& distance) const;
+  void find_at_node(std::size_t number, std::vector<Touch>& out);
+  void find_inside(Index triangle, const TouchedPlaces& before, std::vector<Touch>& out);
+  void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
   MovingSurface surface_;
-  RigidTool& tool_;
-  std::vector<Place> nodes_;  ///< by node of the solid; those inside have none
-  Real edge_ = 0;             ///< m
 };
 
 }  // namespace sutura::contact

@@ -10,11 +10,12 @@ namespace sutura::contact {
 
 struct Touch {
   /// By which it is found again in the next pass and step: abscissae of the curves it is on, or
-  /// numbers of nodes.
+  /// numbers of nodes; -1, -2, ... for those of the second of two surfaces.
   Real first_place = 0, second_place = 0;
   Vec3 second_local = Vec3::Zero();  ///< of a tool: seen from its shape
   Index triangle = -1;               ///< of a surface
-  bool nodes_are_second = false;     ///< of two surfaces: the triangle is one of the first
+  Index node = -1;                   ///< of two surfaces: what meets the triangle
+  bool nodes_are_second = false;     ///< the triangle is one of the first
   Vec3 weights = Vec3::Zero();       ///< in the triangle, barycentric
   Vec3 normal = Vec3::UnitZ();       ///< unit, from the second to the first
   Vec3 along = Vec3::UnitX();        ///< roughly a direction on the surface, turning with the first
@@ -60,6 +61,8 @@ class Pair {
                             const Vec3& /*direction*/, ConstraintBuilder& /*builder*/) const {}
   /// After the step: the force on the first.
   virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}
+  /// After the step: how deep the two overlap where no touch sees it (m).
+  virtual Real unseen_overlap(const std::vector<Touch>& /*touches*/) { return 0; }
   /// The smallest distance between the surfaces, now (m).
   virtual Real distance() const = 0;
   /// Two touches are one if their places differ by no more.

@@ -183,9 +183,11 @@ fmi3Status Instance::advance(double from, double span) {
     if (input.is_set &&
         sutura_set_input(input.handle, input.values.data(), input.values.size()) != SUTURA_OK)
       return refuse(sutura_error());
+  const std::int64_t before = report_of(simulation_).missed;
   if (sutura_step(simulation_, static_cast<std::size_t>(steps)) != SUTURA_OK || !read_outputs())
     return refuse(sutura_error());
-  return fmi3OK;
+  // What was wrong has been logged.
+  return report_of(simulation_).missed > before ? fmi3Warning : fmi3OK;
 }
 
 fmi3Status Instance::reset() {

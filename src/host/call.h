@@ -2,6 +2,8 @@
 // the handle, one call at a time.
 #pragma once
 
+#include <algorithm>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
@@ -59,16 +61,21 @@ sutura_status with(std::uint64_t handle, Kind kind, const void* result, const F&
   });
 }
 
-/// Fills a struct of the API that begins with its size.
+/// Size of a struct as it was in the first release: a program compiled then has no more room. Where
+/// one has grown since, its size of then is to be written here.
+template <class Struct>
+inline constexpr std::size_t first_size = sizeof(Struct);
+
+/// Fills a struct of the API that begins with its size, as far as the caller knows it.
 template <class Struct>
 sutura_status fill(Struct* out, Struct value) {
   const std::uint32_t size = out->struct_size;
-  if (size < sizeof(Struct))
+  if (size < first_size<Struct>)
     return fail(SUTURA_MISUSE, "struct_size is " + std::to_string(size) +
                                    "; expected the size of the struct, " +
                                    std::to_string(sizeof(Struct)));
   value.struct_size = size;
-  *out = value;
+  std::memcpy(out, &value, std::min<std::size_t>(size, sizeof value));
   return ok;
 }
 

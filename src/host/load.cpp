@@ -10,7 +10,7 @@ thread_local std::vector<Diagnostic> found;
 
 /// What is wrong with the options, or empty.
 std::string check(const sutura_options& options) {
-  if (options.struct_size < sizeof(sutura_options))
+  if (options.struct_size < first_size<sutura_options>)
     return "struct_size of the options is " + std::to_string(options.struct_size) + "; expected " +
            std::to_string(sizeof(sutura_options));
   if (options.api != SUTURA_API)
@@ -80,7 +80,7 @@ sutura_status load(const std::filesystem::path& name, const sutura_options* opti
     if (options != nullptr) {
       if (const std::string wrong = check(*options); !wrong.empty())
         return fail(SUTURA_MISUSE, wrong);
-      as_given = *options;
+      std::memcpy(&as_given, options, std::min<std::size_t>(options->struct_size, sizeof as_given));
     }
     auto session = std::make_shared<Session>();
     session->message = as_given.message;

@@ -53,6 +53,7 @@ struct Session {
   std::vector<std::byte> saved;    ///< by the last sutura_save
   std::string xml, text;           ///< that the host has been given
   std::uint64_t changes = 1;       ///< of the state
+  std::int64_t missed = 0;         ///< steps that are not to be trusted, since the state was given
   bool recording = false;
 
   std::atomic<bool> busy{false};

@@ -18,6 +18,9 @@ sutura_status step_once(Session& session) {
   ++session.changes;
   for (const std::string& note : report.messages) session.tell(SUTURA_NOTE, note);
   for (const std::string& fault : report.faults) session.tell(SUTURA_WARNING, fault);
+  if (!report.solved)
+    session.tell(SUTURA_WARNING, "a step missed its tolerances; its report says by how much");
+  if (!report.solved || !report.faults.empty()) ++session.missed;
   if (report.failure)
     return fail(static_cast<sutura_status>(report.failure->category), report.failure->text());
   if (!report.finite)
@@ -37,7 +40,9 @@ sutura_status restore(Session& session, const Restore& from) {
   if (session.recording)
     return fail(SUTURA_MISUSE, "a recording is under way; finish it before the state is changed");
   ++session.changes;
-  return as_file_status(from(*session.simulation));
+  const sutura_status status = as_file_status(from(*session.simulation));
+  if (status == ok) session.missed = 0;
+  return status;
 }
 
 template <class Begin>
@@ -63,9 +68,10 @@ sutura_status sutura_get_report(sutura_simulation simulation, sutura_report* rep
   return with(simulation, Kind::simulation, report, [&](Session& session, std::size_t) {
     const StepReport& r = session.simulation->report();
     const Scene& scene = session.simulation->scene();
-    return fill(report, {0, r.solved ? 1 : 0, r.step, r.time, scene.dt, scene.duration, r.rows,
-                         r.passes, r.parts, r.solve.events, static_cast<int64_t>(r.faults.size()),
-                         r.worst_imbalance().relative, r.violation, r.total_seconds()});
+    return fill(report,
+                {0, r.solved ? 1 : 0, r.step, r.time, scene.dt, scene.duration, r.rows, r.passes,
+                 r.parts, r.solve.events, static_cast<int64_t>(r.faults.size()),
+                 r.worst_imbalance().relative, r.violation, r.total_seconds(), session.missed});
   });
 }
 
@@ -82,6 +88,8 @@ sutura_status sutura_save(sutura_simulation simulation, const void** data, size_
   return with(simulation, Kind::simulation, complete ? data : nullptr,
               [&](Session& session, std::size_t) {
                 session.saved = session.simulation->save();
+                if (const auto& failure = session.simulation->report().failure)
+                  return fail(static_cast<sutura_status>(failure->category), failure->text());
                 *data = session.saved.data();
                 *size = session.saved.size();
                 return ok;

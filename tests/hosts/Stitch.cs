@@ -16,6 +16,7 @@ static class Sutura {
     public double Time, Dt, Duration;
     public long Rows, Passes, Parts, Events, Faults;
     public double Imbalance, Violation, Seconds;
+    public long Missed;
   }
 
   [StructLayout(LayoutKind.Sequential)]

@@ -214,6 +214,19 @@ class Fmu(unittest.TestCase):
                                delta=1e-15)
         self.assertEqual(told["grasper.holding"], 0)
 
+    def test_a_step_that_misses_its_tolerances_is_a_warning(self):
+        folder = self.folder / "hasty"
+        subprocess.run([BUILD / "bin/sutura", "fmu", SCENE, "--set", ".tolerance=1e-12",
+                        "--set", ".passes=1", "--set", ".substeps=1", "--output",
+                        self.folder / "hasty.fmu"], check=True, capture_output=True)
+        with zipfile.ZipFile(self.folder / "hasty.fmu") as packed:
+            packed.extractall(folder)
+        fmu = Importer(folder)
+        self.addCleanup(fmu.close)
+        fmu.begin()
+        self.assertEqual(fmu.step(2 * fmu.dt), 1)
+        self.assertIn("missed its tolerances", fmu.messages[-1][2])
+
     def test_what_is_wrong_is_said(self):
         fmu = self.importer()
         fmu.begin()

@@ -51,7 +51,8 @@ class CReport(Sized):
     _fields_ = [("struct_size", c_uint32), ("solved", c_int32), ("step", c_int64),
                 ("time", c_double), ("dt", c_double), ("duration", c_double), ("rows", c_int64),
                 ("passes", c_int64), ("parts", c_int64), ("events", c_int64), ("faults", c_int64),
-                ("imbalance", c_double), ("violation", c_double), ("seconds", c_double)]
+                ("imbalance", c_double), ("violation", c_double), ("seconds", c_double),
+                ("missed", c_int64)]
 
 
 class CComponent(Sized):

@@ -36,6 +36,7 @@ class Report:
     imbalance: float  #: of momentum, relative to the forces at work
     violation: float  #: m, the largest distance of a constraint from its law
     seconds: float  #: wall time
+    missed: int  #: steps not to be trusted since loading or restoring, this one and others
 
 
 class Simulation:
@@ -88,7 +89,7 @@ class Simulation:
         """The last step."""
         r = self._report()
         return Report(r.step, r.time, bool(r.solved), r.rows, r.passes, r.parts, r.events,
-                      r.faults, r.imbalance, r.violation, r.seconds)
+                      r.faults, r.imbalance, r.violation, r.seconds, r.missed)
 
     # Values
 

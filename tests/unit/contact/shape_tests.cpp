@@ -55,6 +55,23 @@ TEST(Shape, KnownDistances) {
   EXPECT_NEAR(shapes()[4].at(Vec3(0.2, 0.4, 0)).distance, -0.1, 1e-15);
 }
 
+// What is left without a layer is inside of the shape, by the layer at least; of all its points the
+// one that is asked for is the nearest.
+TEST(Shape, TheCoreIsBelowTheLayer) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<Real> anywhere(-3, 3);
+  const auto point = [&] { return Vec3(anywhere(random), anywhere(random), anywhere(random)); };
+  for (const Shape& shape : shapes()) {
+    if (shape.kind == Shape::Kind::plane) continue;
+    const Real layer = shape.half_thickness() / 3;
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 p = point(), core = shape.core(p, layer), other = shape.core(point(), layer);
+      EXPECT_LE(shape.at(core).distance, -layer + 1e-12);
+      EXPECT_LE((p - core).norm(), (p - other).norm() + 1e-12);
+    }
+  }
+}
+
 // The way of a curve may be judged by one plane only because every shape is convex.
 TEST(Shape, IsConvex) {
   std::mt19937 random(5);

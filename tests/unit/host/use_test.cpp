@@ -240,5 +240,32 @@ TEST(Use, RecordsWhatTheCommandRecords) {
   EXPECT_EQ(house::read_text(folder.path() / "ours/probe.csv"), csv);
 }
 
+// A host that takes many steps at once still hears of those before the last.
+TEST(Use, StepsThatMissTheirTolerancesAreSaidAndCounted) {
+  std::string text = held_thread;
+  text.insert(text.find(" dt=") + 1, "tolerance='1e-12' passes='1' substeps='1' ");
+  sutura_options how = options();
+  int said = 0;
+  how.user = &said;
+  how.message = [](void* user, std::int32_t severity, const char* sentence) {
+    *static_cast<int*>(user) +=
+        severity == SUTURA_WARNING && std::strstr(sentence, "missed its tolerances") != nullptr;
+  };
+  sutura_simulation s = 0;
+  ASSERT_EQ(sutura_load_text(text.data(), text.size(), "test.xml", nullptr, &how, &s), SUTURA_OK)
+      << sutura_error();
+  const std::vector<std::byte> start = state(s);
+  ASSERT_EQ(sutura_step(s, 7), SUTURA_OK) << sutura_error();
+  sutura_report report{};
+  report.struct_size = sizeof report;
+  ASSERT_EQ(sutura_get_report(s, &report), SUTURA_OK);
+  EXPECT_EQ(report.missed, 7);
+  EXPECT_EQ(said, 7);
+  ASSERT_EQ(sutura_restore(s, start.data(), start.size()), SUTURA_OK) << sutura_error();
+  ASSERT_EQ(sutura_get_report(s, &report), SUTURA_OK);
+  EXPECT_EQ(report.missed, 0);
+  EXPECT_EQ(sutura_destroy(s), SUTURA_OK);
+}
+
 }  // namespace
 }  // namespace sutura::host_tests

@@ -1,0 +1,73 @@
+// What is where it cannot be when the scene begins is refused; what is only near is not.
+#include <gtest/gtest.h>
+
+#include "contact_scenes.h"
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+const std::string skin =
+    "<plugin name='contact'/>" +
+    block("skin", "-10 -10 -8 10 10 0", "2 2 2", "<Attach box='-10 -10 -8 10 10 -8 mm'/>");
+const std::string on_ball = "<Contact first='/skin/tissue' tool='ball'/>";
+
+std::string ball(const std::string& where) {
+  return "<Tool name='ball' shape='sphere' radius='2 mm' centre='" + where + " mm'/>";
+}
+
+void expect_overlap(const std::string& content, const std::string& by) {
+  TextRun run(content);
+  EXPECT_FALSE(run);
+  EXPECT_NE(run.said().find("overlap by " + by), std::string::npos) << run.said();
+}
+
+TEST(Start, AThreadInsideOfATissueIsRefused) {
+  expect_overlap(skin + thread("a", Vec3(0, 0.3e-3, -3e-3), Vec3::UnitX(), 8e-3, 8) +
+                     "<Contact first='a' second='/skin/tissue'/>",
+                 "3.1");
+}
+
+TEST(Start, AToolInsideOfATissueIsRefused) {
+  expect_overlap(skin + ball("3 3 -4") + on_ball, "6.0");
+}
+
+// The surface has no node within 3 mm of it.
+TEST(Start, AToolBetweenTheNodesOfATissueIsRefused) {
+  expect_overlap(skin + ball("3 4 1") + on_ball, "1.0");
+}
+
+// A hundredth of a millimetre is rounding for a thread of 0.2 mm, and as much as one of 11-0 is
+// thick: it could not move.
+TEST(Start, AThinThreadMayOverlapByLess) {
+  const auto laid = [](const std::string& radius, const std::string& height) {
+    return "<plugin name='contact'/><SutureThread name='a' needle_length='0' thread_length='10 mm' "
+           "thread_diameter='" +
+           radius + "' tip='0 0 " + height +
+           "' tip_direction='-1 0 0'/><Tool name='table' shape='plane'/><Contact tool='table'/>";
+  };
+  EXPECT_TRUE(TextRun(laid("0.2 mm", "0.0920 mm")));
+  expect_overlap(laid("0.01 mm", "-0.001 mm"), "0.006");
+}
+
+TEST(Start, DistancesAreThoseOfTheSurfaces) {
+  TextRun tool(skin + ball("3 4 5") + on_ball);
+  ASSERT_TRUE(tool) << tool.said();
+  EXPECT_NEAR(tool.number("/contact", "distance"), 3e-3, 1e-9);
+
+  // A thread on end, its lower end 2 mm above the skin.
+  TextRun curve(
+      skin + thread("a", Vec3(1e-3, 2e-3, 6e-3), Vec3::UnitZ(), 8e-3, 8, "plane_normal='1 0 0'") +
+      "<Contact first='a' second='/skin/tissue'/>");
+  ASSERT_TRUE(curve) << curve.said();
+  EXPECT_NEAR(curve.number("/contact", "distance"), 2e-3 - 0.1e-3, 1e-9);
+
+  // Bodies further apart than they are long, the second beside the first.
+  TextRun blocks(skin + block("other", "40 -3 -8 44 3 0", "2 2 2") +
+                 "<Contact first='/skin/tissue' second='/other/tissue'/>");
+  ASSERT_TRUE(blocks) << blocks.said();
+  EXPECT_NEAR(blocks.number("/contact", "distance"), 30e-3, 1e-12);
+}
+
+}  // namespace
+}  // namespace sutura::testing
