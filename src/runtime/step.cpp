@@ -83,7 +83,8 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
-      if (problem_.rows() > 0 && better_guess_->move_on(context)) build(context, timer);
+      const bool goes_on = context.pass < most && problem_.rows() > 0;
+      if (goes_on && better_guess_->move_on(context)) build(context, timer);
       continue;
     }
     better_guess_->forget();
