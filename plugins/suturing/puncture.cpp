@@ -124,10 +124,10 @@ void Puncture::detect(const StepContext& context) {
   follow_front();
 }
 
-/// What the tip faces at the start of the step. Where it presses already and has not slid, that is
-/// the same point of the tissue, and the answer is where the footprint stood under the tip: sought
-/// anew, the tip of a tent would be found now before, now behind one of its few facets, and the
-/// tent be let go.
+/// What the tip faces at the start of the step. Where it presses already, the answer is where the
+/// footprint is to stand under it, so that the gap goes on where it was: at the same point of the
+/// tissue, or where the tip slid to, at the same height. Sought anew, the tip of a tent would be
+/// found now before, now behind one of its few facets, and the tent be let go.
 std::optional<Vec3> Puncture::find_front() {
   const Front before = front_;
   const SurfacePoint pressed = touched_;
@@ -141,7 +141,9 @@ std::optional<Vec3> Puncture::find_front() {
   if (!presses_) return std::nullopt;
   const Vec3 was = footprint_.position(path_->tissue(), Configuration::start);
   const Real slid = (path_->thread().point(0, Configuration::start) - was).norm();
-  if (front_ == before && (touched_.position - was).norm() < as_far * slid) return std::nullopt;
+  const Vec3 on = touched_.position - was;
+  if (front_ == before && on.norm() < as_far * slid)
+    return touched_.position - touched_.normal.dot(on) * touched_.normal;
   front_ = before;
   touched_.at = pressed.at;
   touched_.triangle = pressed.triangle;

@@ -74,6 +74,13 @@ void Rod::go_on(Real part) {
   for (Index k = anchor + 1; k < nodes(); ++k) drift_[k] -= at_anchor;
   for (Index i = 0; i < nodes(); ++i) motion_.segment<3>(6 * i) += drift_[i];
   take_motion();
+  if (anchor >= 0) return;
+  // Free, its linear momentum is exact: a shift of the whole takes up what the drifts left of it.
+  Vec3 missing = Vec3::Zero();
+  for (Index i = 0; i < nodes(); ++i) missing += missing_.segment<3>(6 * i);
+  const Vec3 shift = dt_ * missing / (mass() * (1 + dt_ * damping_mass));
+  for (Index i = 0; i < nodes(); ++i) motion_.segment<3>(6 * i) += shift;
+  take_motion();
 }
 
 /// A node that is held, or that constraints push.

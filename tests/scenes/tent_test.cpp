@@ -1,7 +1,9 @@
 // A needle pushed through a soft block: the wall on the far side becomes a tent before it gives
 // way. The tip stays at the point of the tissue that it presses, so the force grows from step to
 // step up to the threshold.
-#include <cmath>
+#include <algorithm>
+#include <ostream>
+#include <string>
 
 #include "text_run.h"
 
@@ -17,16 +19,20 @@ TextRun pushed(const std::string& dt, const std::string& cells) {
     <SutureThread name='suture' needle_length='20 mm' needle_angle='0' needle_diameter='0.4 mm'
                   thread_length='20 mm' thread_beams='10'
                   tip='-5.1 0.3 -4.2 mm' tip_direction='1 0 0'/>
-    <Track about='suture' times='0 0.8 s' positions='0 0 0  14 0 0 mm'/>
+    <Track times='0 0.8 s' positions='0 0 0  14 0 0 mm'/>
     <Grasper at='16 mm'/>
     <Puncture threshold='0.2 N'/><Cutting threshold='0.05 N'/><SuturePath/><PathFriction/>)",
                  "dt='" + dt + "' gravity='0 0 0'");
 }
 
-class Tent : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
+struct Case {
+  std::string dt, cells;
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.dt << ", " << c.cells; }
+};
+class Tent : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Tent, GrowsUntilItGivesWay) {
-  TextRun run = pushed(GetParam().first, GetParam().second);
+  TextRun run = pushed(GetParam().dt, GetParam().cells);
   ASSERT_TRUE(run) << run.said();
   Real force = 0, highest = 0;
   int tenting = 0;
@@ -57,11 +63,9 @@ TEST_P(Tent, GrowsUntilItGivesWay) {
 }
 
 INSTANTIATE_TEST_SUITE_P(StepsAndMeshes, Tent,
-                         ::testing::Values(std::pair{"20 ms", "8 10 10"},
-                                           std::pair{"10 ms", "8 10 10"},
-                                           std::pair{"5 ms", "8 10 10"},
-                                           std::pair{"10 ms", "12 15 15"},
-                                           std::pair{"2.5 ms", "5 7 7"}));
+                         ::testing::Values(Case{"20 ms", "8 10 10"}, Case{"10 ms", "8 10 10"},
+                                           Case{"5 ms", "8 10 10"}, Case{"10 ms", "12 15 15"},
+                                           Case{"2.5 ms", "5 7 7"}));
 
 }  // namespace
 }  // namespace sutura::testing

@@ -96,11 +96,12 @@ TEST(MovingTool, AnOldComplianceCostsPassesNotAccuracy) {
   EXPECT_LE(exact.violation, limits.gap_tolerance);
   EXPECT_LE(old.violation, limits.gap_tolerance);
   // Each is off by a thousandth of what the ball presses in, at most, and by the gap it leaves.
-  // A step that was divided (a factor that is too old may need that) is a more accurate one: by its
-  // own error in time, which one step of 40 puts below a thousandth of the depth again.
+  // Viscosity keeps beta/(h + beta) = 2/3 of the error that a step began with: three times as much
+  // in all. A step that was divided (a factor that is too old may need that) is a more accurate
+  // one: by its own error in time, which one step of 40 puts below a thousandth of the depth again.
   EXPECT_LE(old.divided, 1);
   EXPECT_EQ(exact.divided, 0);
-  EXPECT_LT(apart, (2 + 2 * old.divided) * (limits.tolerance * depth + limits.gap_tolerance));
+  EXPECT_LT(apart, 3 * (2 + 2 * old.divided) * (limits.tolerance * depth + limits.gap_tolerance));
 }
 
 }  // namespace
