@@ -68,9 +68,6 @@ void Rod::go_on(Real part) {
     at_anchor = drift;
     anchor = i;
   }
-  if (anchor < 0) {  // free: on the whole it goes straight on
-    for (const Vec3& d : drift_) at_anchor += d / static_cast<Real>(nodes());
-  }
   for (Index k = anchor + 1; k < nodes(); ++k) drift_[k] -= at_anchor;
   for (Index i = 0; i < nodes(); ++i) motion_.segment<3>(6 * i) += drift_[i];
   take_motion();
