@@ -97,7 +97,7 @@ void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& 
 }
 
 Real beam_curvature(const Rod& rod, Index beam) {
-  const auto& p = rod.poses(Configuration::current);
+  const auto& p = rod.poses();
   const Vec3 ta = p[beam].rotation * Vec3::UnitX(), tb = p[beam + 1].rotation * Vec3::UnitX();
   return std::atan2(ta.cross(tb).norm(), ta.dot(tb)) / rod.element(beam).length;
 }

@@ -44,7 +44,7 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
     for (int k = 0; k < J.nodes; ++k) J.node[static_cast<std::size_t>(k)] = first + k;
     // Row of delta: minus the gradient of the arc length. It is written as a motion along the
     // tangent of the interval's first section, so that recorders show the force where it pulls.
-    const Pose& at = rod.poses(Configuration::current)[first];
+    const Pose& at = rod.poses()[first];
     const Vec3 along = at.rotation * Vec3::UnitX();
     Real room = 0, length = 0;
     for (Index e = first; e < last; ++e) {

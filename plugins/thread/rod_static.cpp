@@ -1,52 +1,20 @@
-// Static equilibrium of the rod: Newton on the gradient of the potential, with its exact Hessian.
+// Newton on the gradient of the potential, with its exact Hessian.
+#include "rod_static.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "rod.h"
-
 namespace sutura::thread {
 
-void Rod::static_residual(const Vec3& gravity, const VecX& load, VecX& residual, Real& potential) {
-  residual = load;
-  potential = 0;
-  ElementState s;
-  for (Index e = 0; e < beams(); ++e) {
-    const ElementRest& r = elements_[e];
-    evaluate(r, pose_[e], pose_[e + 1], twist_[e], s);
-    twist_[e] = s.twist;
-    const ElementGradient g = gradient(r, s);
-    const Vec3 weight = r.mass * gravity;
-    residual.segment<3>(6 * e) += g.v + weight / 2;
-    residual.segment<3>(6 * e + 3) += -g.a + r.length / 12 * s.ta.cross(weight);
-    residual.segment<3>(6 * e + 6) += -g.v + weight / 2;
-    residual.segment<3>(6 * e + 9) += -g.b - r.length / 12 * s.tb.cross(weight);
-    // Weight acts at the centroid of the Hermite cubic.
-    potential +=
-        thread::elastic_energy(r, s) -
-        weight.dot((pose_[e].position + pose_[e + 1].position) / 2 + r.length / 12 * (s.ta - s.tb));
-  }
-  for (Index i = 0; i < nodes(); ++i) potential -= load.segment<3>(6 * i).dot(pose_[i].position);
-  for (const NodeSpring& spring : springs_) {
-    if (!spring.active) continue;
-    const Wrench w = spring_wrench(spring);
-    residual.segment<3>(6 * spring.node) += w.force;
-    residual.segment<3>(6 * spring.node + 3) += w.moment;
-    potential += w.force.squaredNorm() / (2 * spring.stiffness.translation);
-    if (spring.stiffness.rotation > 0)
-      potential += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);
-  }
-  for (const Index node : clamped_) residual.segment<6>(6 * node).setZero();
-}
-
-void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
-                           const std::vector<Real>* tension) const {
-  matrix.resize(nodes());
+void assemble_static(const Rod& rod, const Vec3& gravity, BlockTridiagonal& matrix,
+                     const std::vector<Real>* tension) {
+  matrix.resize(rod.nodes());
   matrix.set_zero();
   ElementState s;
   Mat9 k9;
-  for (Index e = 0; e < beams(); ++e) {
-    const ElementRest& r = elements_[e];
-    element_state(e, s);
+  for (Index e = 0; e < rod.beams(); ++e) {
+    const ElementRest& r = rod.element(e);
+    rod.element_state(e, s);
     if (tension) s.tension = (*tension)[e];
     hessian(r, s, k9);
     const auto hang = [&](const Vec3& t, Real sign, int block) {
@@ -62,26 +30,47 @@ void Rod::assemble_tangent(const Vec3& gravity, BlockTridiagonal& matrix,
     matrix.diagonal(e + 1) += k.bottomRightCorner<6, 6>();
     matrix.upper(e) = k.topRightCorner<6, 6>();
   }
-  for (const NodeSpring& spring : springs_) {
+  for (const NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
     auto diagonal = matrix.diagonal(spring.node).diagonal().array();
     diagonal.head<3>() += spring.stiffness.translation;
     diagonal.tail<3>() += spring.stiffness.rotation;
   }
-  for (const Index node : clamped_)
+  for (const Index node : rod.clamped())
     for (int d = 0; d < 6; ++d) matrix.fix(node, d);
 }
 
-Real Rod::largest_turn(const std::vector<Pose>& poses, const Dofs& step) const {
-  Real largest = 0;
-  for (Index e = 0; e < beams(); ++e) {
-    const Vec3 span = poses[e + 1].position - poses[e].position;
-    const Real l = span.norm();
-    const Vec3 axis = span / l;
-    const Vec3 chord = axis.cross(step.segment<3>(6 * e + 6) - step.segment<3>(6 * e)) / l;
-    largest = std::max({largest, chord.norm(), axis.cross(step.segment<3>(6 * e + 3)).norm(),
-                        axis.cross(step.segment<3>(6 * e + 9)).norm()});
+namespace {
+
+/// Forces and moments that are not balanced (N, N m; 6 per node).
+void static_residual(Rod& rod, const Vec3& gravity, const VecX& load, VecX& residual) {
+  residual = load;
+  ElementState s;
+  for (Index e = 0; e < rod.beams(); ++e) {
+    const ElementRest& r = rod.element(e);
+    rod.element_state(e, s);
+    rod.twist()[e] = s.twist;
+    const ElementGradient g = gradient(r, s);
+    const Vec3 weight = r.mass * gravity;  // at the centroid of the Hermite cubic
+    residual.segment<3>(6 * e) += g.v + weight / 2;
+    residual.segment<3>(6 * e + 3) += -g.a + r.length / 12 * s.ta.cross(weight);
+    residual.segment<3>(6 * e + 6) += -g.v + weight / 2;
+    residual.segment<3>(6 * e + 9) += -g.b - r.length / 12 * s.tb.cross(weight);
   }
+  for (const NodeSpring& spring : rod.springs()) {
+    if (!spring.active) continue;
+    const Wrench w = spring.wrench(rod.poses()[spring.node]);
+    residual.segment<3>(6 * spring.node) += w.force;
+    residual.segment<3>(6 * spring.node + 3) += w.moment;
+  }
+  for (const Index node : rod.clamped()) residual.segment<6>(6 * node).setZero();
+}
+
+/// Largest force in a vector over the dofs (N), moments divided by `length`.
+Real largest_force(const VecX& r, Real length) {
+  Real largest = 0;
+  for (Index i = 0; i < r.size(); i += 6)
+    largest = std::max({largest, r.segment<3>(i).norm(), r.segment<3>(i + 3).norm() / length});
   return largest;
 }
 
@@ -90,34 +79,30 @@ Real Rod::largest_turn(const std::vector<Pose>& poses, const Dofs& step) const {
 // last step, EA (strain + strain gradient . step), and not the one that the second-order stretch of
 // a finite rotation fakes. It needs no line search where the displacement form creeps (a thread is
 // almost inextensible); turning is limited to half a radian per step.
-Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real tolerance,
-                                    int max_iterations) {
-  const Real spacing = abscissa_.back() / static_cast<Real>(beams());
-  const Real unit_stiffness = elements_.back().bend_1 / (spacing * spacing);
-  velocity_.setZero();
+StaticReport solve_static(Rod& rod, const Vec3& gravity, const VecX& load, Real tolerance,
+                          int max_iterations) {
+  const Real spacing = rod.abscissa().back() / static_cast<Real>(rod.beams());
+  const Real unit_stiffness = rod.element(rod.beams() - 1).bend_1 / (spacing * spacing);
+  rod.velocity().setZero();
   BlockTridiagonal tangent, shifted;
-  VecX r(dofs()), step(dofs());
-  std::vector<Real> tension(static_cast<std::size_t>(beams()));
-  Real potential = 0;
+  VecX r(rod.dofs()), step(rod.dofs());
+  std::vector<Real> tension(static_cast<std::size_t>(rod.beams()));
   ElementState s;
-  for (Index e = 0; e < beams(); ++e) {
-    element_state(e, s);
+  for (Index e = 0; e < rod.beams(); ++e) {
+    rod.element_state(e, s);
     tension[e] = s.tension;
   }
   Real turning = 0;
-  for (Index i = 0; i < nodes(); ++i)
+  for (Index i = 0; i < rod.nodes(); ++i)
     turning = std::max(turning, load.segment<3>(6 * i + 3).norm() / spacing);
   StaticReport report;
   for (;; ++report.iterations) {
-    static_residual(gravity, load, r, potential);
-    report.residual = 0;
-    for (Index i = 0; i < nodes(); ++i)
-      report.residual = std::max(
-          {report.residual, r.segment<3>(6 * i).norm(), r.segment<3>(6 * i + 3).norm() / spacing});
+    static_residual(rod, gravity, load, r);
+    report.residual = largest_force(r, spacing);
     report.converged = report.residual <= tolerance;
     if (report.converged || report.iterations == max_iterations) break;
 
-    assemble_tangent(gravity, tangent, &tension);
+    assemble_static(rod, gravity, tangent, &tension);
     // Shift until positive definite: the step then goes downhill. Close to the end not under a
     // moment of fixed axis, which has no potential; nor in the last third of the iterations, in
     // case the equilibrium is an unstable one, to which shifted steps creep.
@@ -125,7 +110,7 @@ Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real 
     Real shift = 0;
     for (;;) {
       shifted = tangent;
-      for (Index i = 0; i < nodes(); ++i) {
+      for (Index i = 0; i < rod.nodes(); ++i) {
         auto d = shifted.diagonal(i).diagonal().array();
         d.head<3>() += shift;
         d.tail<3>() += shift * spacing * spacing;
@@ -136,36 +121,34 @@ Rod::StaticReport Rod::solve_static(const Vec3& gravity, const VecX& load, Real 
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
-    const Real factor = std::min(1., turn_limit / largest_turn(pose_, step));
-    for (Index e = 0; e < beams(); ++e) {
-      element_state(e, s);
-      const Real predicted =
-          s.tension + elements_[e].axial *
-                          strain_gradient(elements_[e], s)
-                              .dot((Vec9() << step.segment<3>(6 * e + 6) - step.segment<3>(6 * e),
-                                    step.segment<3>(6 * e + 3), step.segment<3>(6 * e + 9))
-                                       .finished());
+    const Real factor = std::min(1., turn_limit / largest_turn(rod.poses(), step));
+    for (Index e = 0; e < rod.beams(); ++e) {
+      rod.element_state(e, s);
+      const Real change = strain_gradient(rod.element(e), s).dot(beam_motion(step, e));
+      const Real predicted = s.tension + rod.element(e).axial * change;
       tension[e] += factor * (predicted - tension[e]);
     }
     step *= factor;
-    move(pose_, twist_, step, pose_, twist_);
+    move_chain(rod.poses(), rod.twist(), step, rod.poses(), rod.twist());
   }
   return report;
 }
 
-Rod::StaticReport Rod::equilibrium(const Vec3& gravity, const VecX& load, Real tolerance,
-                                   int max_iterations) {
-  const std::vector<Pose> pose = pose_;
-  const std::vector<Real> twist = twist_;
-  StaticReport report = solve_static(gravity, load, tolerance, max_iterations);
+}  // namespace
+
+StaticReport equilibrium(Rod& rod, const Vec3& gravity, const VecX& load, Real tolerance,
+                         int max_iterations) {
+  const std::vector<Pose> poses = rod.poses();
+  const std::vector<Real> twist = rod.twist();
+  StaticReport report = solve_static(rod, gravity, load, tolerance, max_iterations);
   if (!report.converged) {  // too far in one go: follow the load
-    pose_ = pose;
-    twist_ = twist;
+    rod.poses() = poses;
+    rod.twist() = twist;
     constexpr int increments = 20;
     for (int i = 1; i <= increments; ++i) {
       const Real part = static_cast<Real>(i) / increments;
       const int before = report.iterations;
-      report = solve_static(part * gravity, part * load, tolerance, max_iterations);
+      report = solve_static(rod, part * gravity, part * load, tolerance, max_iterations);
       report.iterations += before;
     }
   }

@@ -9,7 +9,7 @@
 namespace sutura::thread {
 
 Real turning_angle(const Rod& rod, Index beam) {
-  const auto& p = rod.poses(Configuration::current);
+  const auto& p = rod.poses();
   const Cubic c(p[beam], p[beam + 1], rod.element(beam).length);
   constexpr int parts = 4;
   Real sum = 0;
@@ -29,7 +29,7 @@ namespace {
 /// tenth of `angle` have does not matter.
 bool keeps_energy(const Rod& rod, Index e, Real angle) {
   const auto& rest = rod.poses(Configuration::rest);
-  const auto& now = rod.poses(Configuration::current);
+  const auto& now = rod.poses();
   ElementState state;
   Real halves = 0;
   for (const Index half : {e, e + 1}) {

@@ -23,6 +23,7 @@ void SutureThread::archive(Archive& a) {
   if (!a.ok()) return;
   if (a.restoring() && nodes != rod_.abscissa()) lay_out(std::move(nodes));
   rod_.archive(a);
+  step_.archive(a, rod_);
   a("factored", factored_);
 }
 
@@ -80,9 +81,9 @@ void SutureThread::lay_out(std::vector<Real> nodes) {
   }
   for (std::size_t e = 0; e + 1 < layout.abscissa.size(); ++e)
     layout.sections.push_back(section((layout.abscissa[e] + layout.abscissa[e + 1]) / 2));
-  rod_.damping_mass = damping_mass;
-  rod_.damping_stiffness = damping_stiffness;
   rod_.build(layout);
+  step_.fit(rod_);
+  step_.damping = {damping_mass, damping_stiffness};
   if (clamp == Clamp::start || clamp == Clamp::both) rod_.clamp(0);
   if (clamp == Clamp::end || clamp == Clamp::both) rod_.clamp(rod_.nodes() - 1);
   for (const Real s : holds_) {
@@ -105,51 +106,54 @@ void SutureThread::build() {
     const Index most = rod_.beams() + static_cast<Index>(thread_length / shortest_beam);
     sampling_work_.reserve(static_cast<std::size_t>(most));
     rod_.reserve(most);
+    step_.reserve(most);
+    resampler_.reserve(rod_, most);
   }
 }
 
 void SutureThread::begin_step(const StepContext& context) {
   factored_ = true;
-  rod_.set_load(load());
-  rod_.begin_step(context.dt, context.gravity);
+  step_.set_load(load());
+  step_.begin(rod_, context.dt, context.gravity);
 }
 
 void SutureThread::linearise(const StepContext&, const VecX& force) {
-  factored_ = rod_.linearise(force);
+  factored_ = step_.linearise(rod_, force);
 }
 
 void SutureThread::correct(const StepContext&, const VecX& force_change) {
-  if (factored_) rod_.correct(force_change);
+  if (factored_) step_.correct(rod_, force_change);
 }
 
 Imbalance SutureThread::imbalance(const StepContext&, const VecX& force) {
   constexpr Real none = std::numeric_limits<Real>::infinity();
-  return factored_ ? rod_.imbalance(force) : Imbalance{none, none};
+  return factored_ ? step_.imbalance(rod_, force) : Imbalance{none, none};
 }
 
 bool SutureThread::leave_saddle() {
-  return factored_ && rod_.leave_saddle();
+  return factored_ && step_.leave_saddle(rod_);
 }
 
 void SutureThread::end_step(const StepContext&, const VecX& force) {
-  rod_.end_step(force);
+  step_.end(rod_, force);
   if (sampling_angle > 0) resample();
 }
 
 void SutureThread::resample() {
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
-  rod_.resample(
-      sampling_work_.nodes, [&](Real s) { return shape_.rest(s); },
+  resampler_.apply(
+      rod_, sampling_work_.nodes, [&](Real s) { return shape_.rest(s); },
       [&](Real s) { return section(s); });
+  step_.fit(rod_);
 }
 
 void SutureThread::solve(Eigen::Ref<MatX> columns) const {
   for (const Index node : rod_.clamped()) columns.middleRows<6>(6 * node).setZero();
-  rod_.matrix().solve(columns);
+  step_.matrix().solve(columns);
 }
 
 void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
-  compliance_.add(rod_.matrix(), rod_.clamped(), rows, dt, W);
+  compliance_.add(step_.matrix(), rod_.clamped(), rows, dt, W);
 }
 
 std::string SutureThread::trouble() const {
@@ -226,7 +230,7 @@ BodyGeometry SutureThread::geometry() const {
   BodyGeometry::Field tension{"axial force [N]", true, 1, {}};
   BodyGeometry::Field bend{"curvature [1/m]", true, 1, {}};
   for (Index i = 0; i < rod_.nodes(); ++i) {
-    g.points.push_back(rod_.poses(Configuration::current)[i].position);
+    g.points.push_back(rod_.poses()[i].position);
     abscissa.values.push_back(rod_.abscissa()[i]);
     drawn.values.push_back(drawn_radius(rod_.abscissa()[i]));
     for (int k = 0; k < 3; ++k) velocity.values.push_back(rod_.velocity()[6 * i + k]);

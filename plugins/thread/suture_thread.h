@@ -3,7 +3,9 @@
 
 #include "chain_compliance.h"
 #include "curve.h"
+#include "resampler.h"
 #include "rod.h"
+#include "rod_step.h"
 #include "sampling.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
@@ -47,12 +49,12 @@ class SutureThread : public Component, public SegmentedCurve {
   std::string settle(const Vec3& gravity) override;
   void begin_step(const StepContext& context) override;
   void linearise(const StepContext& context, const VecX& force) override;
-  Eigen::Ref<const VecX> change() const override { return rod_.change(); }
+  Eigen::Ref<const VecX> change() const override { return step_.change(); }
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
-  void motion(VecX& out) const override { out = rod_.motion(); }
-  void move_to(const StepContext&, const VecX& motion) override { rod_.guess(motion); }
+  void motion(VecX& out) const override { out = step_.guess().motion; }
+  void move_to(const StepContext&, const VecX& motion) override { step_.move_to(rod_, motion); }
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Index least_passes() const override { return newton_iterations; }
   bool leave_saddle() override;
@@ -119,6 +121,8 @@ class SutureThread : public Component, public SegmentedCurve {
   void resample();
 
   Rod rod_;
+  RodStep step_;
+  Resampler resampler_;
   SutureShape shape_;
   SamplingRules rules_;
   SamplingWork sampling_work_;

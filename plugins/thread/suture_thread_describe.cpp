@@ -107,9 +107,9 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "motion more closely.");
 
   d.output("tip_position", "m", "Position of abscissa 0.",
-           [](const T& t) { return t.rod_.poses(Configuration::current).front().position; });
+           [](const T& t) { return t.rod_.poses().front().position; });
   d.output("end_position", "m", "Position of the end of the thread.",
-           [](const T& t) { return t.rod_.poses(Configuration::current).back().position; });
+           [](const T& t) { return t.rod_.poses().back().position; });
   d.output("tip_velocity", "m/s", "Velocity of abscissa 0.",
            [](const T& t) { return Vec3(t.rod_.velocity().head<3>()); });
   d.output("energy", "J", "Kinetic plus elastic energy.", [](const T& t) { return t.energy(); });

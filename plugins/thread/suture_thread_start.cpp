@@ -4,6 +4,7 @@
 
 #include "needle_pose.h"
 #include "products.h"
+#include "rod_static.h"
 #include "sutura/units.h"
 #include "suture_thread.h"
 
@@ -146,7 +147,7 @@ RestShape SutureThread::read_shape(Setup& setup, const char* attribute, const Fi
 }
 
 Vec3 SutureThread::centre_of_mass() const {
-  const std::vector<Pose>& p = rod_.poses(Configuration::current);
+  const std::vector<Pose>& p = rod_.poses();
   Vec3 sum = Vec3::Zero();
   for (Index e = 0; e < rod_.beams(); ++e) {
     // The centroid of the Hermite cubic.
@@ -161,7 +162,7 @@ void SutureThread::start_moving() {
   if (velocity.isZero(0) && spin.isZero(0)) return;
   const Vec3 centre = centre_of_mass();
   for (Index i = 0; i < rod_.nodes(); ++i) {
-    const Vec3 arm = rod_.poses(Configuration::current)[i].position - centre;
+    const Vec3 arm = rod_.poses()[i].position - centre;
     rod_.velocity().segment<3>(6 * i) = velocity + spin.cross(arm);
     rod_.velocity().segment<3>(6 * i + 3) = spin;
   }
@@ -169,14 +170,12 @@ void SutureThread::start_moving() {
 }
 
 std::string SutureThread::settle(const Vec3& gravity) {
-  const auto holds = [](const NodeSpring& s) { return s.active; };
-  const auto& springs = rod_.springs();
-  if (rod_.clamped().empty() && std::none_of(springs.begin(), springs.end(), holds))
+  if (!rod_.is_held())
     return "nothing holds this thread at time 0, so it has no balance; clamp it or let a Grasper "
            "hold it";
   // A millionth of what acts; and a nanonewton, about what rounding leaves in a steel needle.
   const Real acting = rod_.mass() * gravity.norm() + load().norm();
-  const Rod::StaticReport report = rod_.equilibrium(gravity, load(), 1e-9 + 1e-6 * acting);
+  const StaticReport report = equilibrium(rod_, gravity, load(), 1e-9 + 1e-6 * acting);
   if (report.converged) return {};
   return "no balance was found, " + format_real(report.residual) +
          " N are left; lay the thread out closer to where it is to hang";

@@ -56,9 +56,9 @@ Section card() {
   return {.radius = 0.15e-3, .young = 1e9, .poisson = 0.3, .density = 1300};
 }
 
-double step_time(Rod& rod, Real dt, const Vec3& g, const VecX& force) {
+double step_time(Rod& rod, RodStep& step, Real dt, const Vec3& g, const VecX& force) {
   return best_time([&] {
-    if (rod.advance(dt, g, force, well_balanced) == 0) std::abort();
+    if (step.advance(rod, dt, g, force, well_balanced) == 0) std::abort();
   });
 }
 
@@ -75,14 +75,15 @@ void work_precision(std::FILE* csv) {
     Rod rod;
     rod.build(straight_layout(0.2, n, card()));
     rod.clamp(0);
+    RodStep step(rod);
     const VecX none = VecX::Zero(rod.dofs());
     for (int i = 0; i < 200; ++i) {  // 10 s: at rest
-      rod.advance(0.05, gravity, none, well_balanced);
+      step.advance(rod, 0.05, gravity, none, well_balanced);
     }
     const Vec3 tip = rod.poses(Configuration::current).back().position;
     // Exact heavy elastica (inextensible).
     const Real error = std::hypot(tip.x() - 94.596e-3, tip.z() + 163.283e-3);
-    row("suture cantilever", n, error, 0.2, step_time(rod, 0.01, gravity, none));
+    row("suture cantilever", n, error, 0.2, step_time(rod, step, 0.01, gravity, none));
   }
   struct Load {
     Real alpha, w, u;
@@ -97,11 +98,12 @@ void work_precision(std::FILE* csv) {
       rod.clamp(0);
       VecX force = VecX::Zero(rod.dofs());
       force[6 * n + 2] = -l.alpha * s.bending_stiffness() / (length * length);
-      rod.equilibrium(Vec3::Zero(), force, 1e-10);
+      equilibrium(rod, Vec3::Zero(), force, 1e-10);
+      RodStep step(rod);
       const Vec3 tip = rod.poses(Configuration::current).back().position;
       const Real error = std::hypot(-tip.z() - l.w * length, length - tip.x() - l.u * length);
       const std::string name = "elastica load " + std::to_string(static_cast<int>(l.alpha));
-      row(name.c_str(), n, error, length, step_time(rod, 0.01, Vec3::Zero(), force));
+      row(name.c_str(), n, error, length, step_time(rod, step, 0.01, Vec3::Zero(), force));
     }
   }
 }
@@ -115,21 +117,27 @@ void cost(std::FILE* csv) {
     Rod rod;
     rod.build(straight_layout(2e-3 * static_cast<Real>(n), n, card()));
     rod.clamp(0);
+    RodStep step(rod);
     const VecX none = VecX::Zero(rod.dofs());
     for (int i = 0; i < 20; ++i) {
-      rod.advance(0.01, gravity, none, well_balanced);
+      step.advance(rod, 0.01, gravity, none, well_balanced);
     }
     const double per = 1e9 / static_cast<double>(n);
-    const double step = per * step_time(rod, 0.01, gravity, none);
-    const double assemble = per * best_time([&] { rod.assemble(Rod::Tangent::exact); });
-    const double factor = per * best_time([&] { rod.factor(); });
+    const double whole = per * step_time(rod, step, 0.01, gravity, none);
+    BlockTridiagonal matrix = step.matrix();
+    const double assembly =
+        per * best_time([&] { assemble(rod, step.start(), step.guess(), Tangent::exact, matrix); });
+    const double factorise = per * best_time([&] { factor(matrix); });
     VecX x = VecX::Ones(rod.dofs());
-    const double solve = per * best_time([&] { rod.matrix().solve(Eigen::Ref<VecX>(x)); });
-    const double bytes = static_cast<double>(rod.bytes()) / static_cast<double>(n);
-    std::fprintf(csv, "%ld,%.1f,%.1f,%.1f,%.1f,%.1f,%.0f\n", static_cast<long>(n), assemble, factor,
-                 solve, step, factor + solve, bytes);
-    std::printf("%8ld %10.1f %10.1f %10.1f %10.1f   %.0f bytes\n", static_cast<long>(n), assemble,
-                factor, solve, step, bytes);
+    const double solve = per * best_time([&] { matrix.solve(Eigen::Ref<VecX>(x)); });
+    // What one step goes through.
+    const std::size_t bytes = matrix.bytes_per_block() + sizeof(ElementRest) + sizeof(ElementMass) +
+                              sizeof(ElementState) + 2 * sizeof(Pose) + 4 * sizeof(Real) +
+                              5 * sizeof(Vec6);
+    std::fprintf(csv, "%ld,%.1f,%.1f,%.1f,%.1f,%.1f,%zu\n", static_cast<long>(n), assembly,
+                 factorise, solve, whole, factorise + solve, bytes);
+    std::printf("%8ld %10.1f %10.1f %10.1f %10.1f   %zu bytes\n", static_cast<long>(n), assembly,
+                factorise, solve, whole, bytes);
   }
 }
 
@@ -138,10 +146,11 @@ void cost(std::FILE* csv) {
 double loop_step_time(Rod& rod, Real angle) {
   loop::hold_ends(rod, loop::tight);
   const VecX none = VecX::Zero(rod.dofs());
+  RodStep step(rod);
   SamplingWork work;
   const SamplingRules rules = loop::rules(angle);
   return best_time([&] {
-    if (rod.advance(0.01, Vec3::Zero(), none, well_balanced) == 0) std::abort();
+    if (step.advance(rod, 0.01, Vec3::Zero(), none, well_balanced) == 0) std::abort();
     if (angle > 0 && sample(rod, rules, work)) std::abort();
   });
 }
@@ -176,12 +185,13 @@ void start(std::FILE* csv) {
     Rod rod;
     rod.build(straight_layout(0.2, 50, card()));
     rod.clamp(0);
+    RodStep step(rod);
     const VecX none = VecX::Zero(rod.dofs());
     const int steps = static_cast<int>(std::lround(20 / dt));
     Index passes = 0;
     const double t0 = cpu_seconds();
     for (int i = 0; i < steps; ++i) {
-      passes += rod.advance(dt, gravity, none, well_balanced);
+      passes += step.advance(rod, dt, gravity, none, well_balanced);
     }
     const double time = (cpu_seconds() - t0) / steps;
     const Vec3 tip = rod.poses(Configuration::current).back().position;

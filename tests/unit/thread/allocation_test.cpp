@@ -33,12 +33,13 @@ TEST(Allocation, NoneInTheStep) {
       for (std::size_t i = 1; i < layout.start.size(); i += 2) layout.start[i].position.z() += 2e-2;
     rod.build(layout);
     rod.clamp(0);
+    RodStep step(rod);
     const VecX none = VecX::Zero(rod.dofs());
     const long before = allocations();
     Index most = 0;
     bool solved = true;
     for (int i = 0; i < 10; ++i) {
-      const Index passes = rod.advance(0.01, Vec3(0, 0, -9.81), none, well_balanced);
+      const Index passes = step.advance(rod, 0.01, Vec3(0, 0, -9.81), none, well_balanced);
       solved = solved && passes > 0;
       most = std::max(most, passes);
     }

@@ -2,7 +2,7 @@
 // cannot be solved.
 #pragma once
 
-#include "rod.h"
+#include "rod_step.h"
 #include "runtime/step_division.h"
 
 namespace sutura::thread {
@@ -11,17 +11,21 @@ namespace sutura::thread {
 inline constexpr Real well_balanced = 1e-4;
 
 /// False if some part cannot be solved even at its shortest.
-inline bool divided_step(Rod& rod, Real dt, const Vec3& gravity, Real tolerance = well_balanced) {
+inline bool divided_step(Rod& rod, RodStep& step, Real dt, const Vec3& gravity,
+                         Real tolerance = well_balanced) {
   const VecX none = VecX::Zero(rod.dofs());
   bool solved = true;
   for (StepDivision division(64); !division.done(); division.next()) {
-    const Rod before = rod;
-    while (rod.advance(dt / static_cast<Real>(division.parts()), gravity, none, tolerance) == 0) {
+    const Rod rod_before = rod;
+    const RodStep step_before = step;
+    while (step.advance(rod, dt / static_cast<Real>(division.parts()), gravity, none, tolerance) ==
+           0) {
       if (!division.halve()) {
         solved = false;
         break;
       }
-      rod = before;
+      rod = rod_before;
+      step = step_before;
     }
   }
   return solved;

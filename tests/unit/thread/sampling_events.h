@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 
+#include "resampler.h"
 #include "rod_builder.h"
 #include "sampling.h"
 
@@ -53,7 +54,7 @@ inline bool resample_and_compare(Rod& rod, const SamplingRules& rules, Jumps& ju
   SamplingWork work;
   if (!sample(rod, rules, work)) return false;
   const Rod before = rod;
-  rod.resample(work.nodes, rest_pose, section);
+  Resampler().apply(rod, work.nodes, rest_pose, section);
   ++jumps.events;
   // Beams far from any bend carry less than 1e-6 of the energy: no jump there matters.
   const Real least = 1e-6 * before.elastic_energy();

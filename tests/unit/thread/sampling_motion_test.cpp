@@ -27,10 +27,12 @@ void expect_small(const Jumps& jumps, bool clamped) {
 
 Jumps follow(Rod& rod, Real dt, const Vec3& gravity, int steps) {
   Jumps jumps;
+  RodStep step(rod);
   int unsolved = 0;
   for (int i = 0; i < steps; ++i) {
-    if (!divided_step(rod, dt, gravity)) ++unsolved;
-    resample_and_compare(rod, {.angle = 0.2, .shortest = 0.5e-3, .longest = 15e-3}, jumps);
+    if (!divided_step(rod, step, dt, gravity)) ++unsolved;
+    if (resample_and_compare(rod, {.angle = 0.2, .shortest = 0.5e-3, .longest = 15e-3}, jumps))
+      step.fit(rod);
   }
   EXPECT_EQ(unsolved, 0) << "steps of " << steps;
   return jumps;

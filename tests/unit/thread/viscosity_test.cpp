@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "rod.h"
 #include "rod_builder.h"
+#include "rod_step.h"
 
 namespace sutura::thread {
 namespace {
@@ -108,7 +108,8 @@ TEST(Viscosity, LeavesASpinningRodAlone) {
   constexpr Real spin = 15, length = 0.05;
   Rod rod;
   rod.build(straight_layout(length, 20, nylon()));
-  rod.damping_stiffness = 10e-3;
+  RodStep step(rod);
+  step.damping.stiffness = 10e-3;
   const Vec3 middle = rod.poses(Configuration::current)[10].position;
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Vec3 arm = rod.poses(Configuration::current)[i].position - middle;
@@ -119,7 +120,7 @@ TEST(Viscosity, LeavesASpinningRodAlone) {
   const Real centrifugal = density * spin * spin * length * length / 8;
   for (int i = 0; i < 10; ++i) {
     // A hundredth of the centrifugal force.
-    ASSERT_GT(rod.advance(0.01, Vec3::Zero(), VecX::Zero(rod.dofs()), 0.01), 0);
+    ASSERT_GT(step.advance(rod, 0.01, Vec3::Zero(), VecX::Zero(rod.dofs()), 0.01), 0);
     for (Index e = 0; e < rod.beams(); ++e) {
       ElementState s;
       rod.element_state(e, s);

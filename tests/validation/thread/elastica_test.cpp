@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reference_table.h"
+#include "rod_static.h"
 #include "unit/thread/rod_builder.h"
 
 namespace sutura::thread {
@@ -30,7 +31,7 @@ Real tip_error(const Section& section, Index beams, Real load, Real w, Real u) {
   force[6 * beams + 2] = -load * scale;
   // Forces in equilibrium within 1e-5 of EI/L^2 axially (rounding of EA leaves 1e-8 to 1e-6), which
   // moves the tip by 1e-5 EI/(EA L^2) < 1e-10 of L.
-  const Rod::StaticReport report = rod.equilibrium(Vec3::Zero(), force, 1e-5 * scale);
+  const StaticReport report = equilibrium(rod, Vec3::Zero(), force, 1e-5 * scale);
   EXPECT_TRUE(report.converged) << beams << " beams, load " << load << ", residual "
                                 << report.residual / scale << " after " << report.iterations;
   const Vec3 tip = rod.poses(Configuration::current).back().position / length;

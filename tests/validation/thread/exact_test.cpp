@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "reference_table.h"
+#include "rod_static.h"
+#include "rod_step.h"
 #include "suture_shape.h"
 #include "unit/thread/rod_builder.h"
 
@@ -17,10 +19,11 @@ void expect_free_fall(const RodLayout& layout, Real tolerance, Real rounding) {
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     Rod rod;
     rod.build(layout);
+    RodStep step(rod);
     const Real h = table.number(i, "h s");
     const int steps = static_cast<int>(table.number(i, "steps"));
     for (int k = 0; k < steps; ++k)
-      ASSERT_GT(rod.advance(h, Vec3(0, 0, -9.81), VecX::Zero(rod.dofs()), rounding), 0);
+      ASSERT_GT(step.advance(rod, h, Vec3(0, 0, -9.81), VecX::Zero(rod.dofs()), rounding), 0);
     const Vec3 fall(0, 0, table.number(i, "x after 1 s implicit Euler"));
     Real worst = 0;
     for (Index n = 0; n < rod.nodes(); ++n)
@@ -62,7 +65,7 @@ TEST(FreeFall, NeedleAndThreadFallTogether) {
 /// Deflection of the tip under a transverse tip load, by one linear solve with the static tangent.
 Real linear_deflection(Rod& rod, Real load) {
   BlockTridiagonal tangent;
-  rod.assemble_tangent(Vec3::Zero(), tangent);
+  assemble_static(rod, Vec3::Zero(), tangent);
   EXPECT_TRUE(tangent.factor());
   VecX x = VecX::Zero(rod.dofs());
   x[6 * (rod.nodes() - 1) + 2] = load;
@@ -141,7 +144,7 @@ TEST(Torsion, IsExactBeyondTurns) {
       load[6 * beams + 3] = torque;
       // 20 rad on 10 and on 4 beams: more than half a turn per beam, counted by the state.
       // Residual 1e-12 of torque over a beam length.
-      const auto report = rod.equilibrium(Vec3::Zero(), load, 1e-11 * torque / 0.01);
+      const auto report = equilibrium(rod, Vec3::Zero(), load, 1e-11 * torque / 0.01);
       EXPECT_TRUE(report.converged);
       Real twist = 0;
       for (const Real t : rod.twist()) twist += t;

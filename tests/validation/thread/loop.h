@@ -13,6 +13,8 @@
 #include <cmath>
 
 #include "cubic.h"
+#include "resampler.h"
+#include "rod_static.h"
 #include "sampling.h"
 #include "unit/thread/rod_builder.h"
 
@@ -71,7 +73,7 @@ inline bool pull(Rod& rod, Real l, int* iterations = nullptr) {
   load[6 * rod.nodes() - 6] = tension(l);
   // Rounding of EA leaves 1e-13 N; 1e-8 of the tension of the tight loop, whose shortening goes
   // with its root.
-  const auto report = rod.equilibrium(Vec3::Zero(), load, 1e-8 * tension(tight));
+  const auto report = equilibrium(rod, Vec3::Zero(), load, 1e-8 * tension(tight));
   if (iterations) *iterations += report.iterations;
   return report.converged;
 }
@@ -91,7 +93,7 @@ inline void hold_ends(Rod& rod, Real l) {
 
 inline bool resample(Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   if (!sample(rod, rules, work)) return false;
-  rod.resample(work.nodes, rest, [](Real) { return braid(); });
+  Resampler().apply(rod, work.nodes, rest, [](Real) { return braid(); });
   return true;
 }
 

@@ -63,19 +63,21 @@ TEST(Vibration, FrequenciesOfTenBeams) {
 /// rod.
 struct Decay {
   Real size, angle;
-  Decay(Rod& rod, Real h, int mode) {
+  Decay(Rod& rod, const RodDamping& damping, Real h, int mode) {
     const PlaneBending bending(rod, true, true, false, false);
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> eigen(bending.K, bending.M);
     const VecX shape = eigen.eigenvectors().col(mode - 1);
     const Real amplitude = 1e-7 / shape.cwiseAbs().maxCoeff();  // 0.1 um or urad: linear
     for (std::size_t i = 0; i < bending.dofs.size(); ++i) {
-      Pose& p = rod.state()[static_cast<std::size_t>(bending.dofs[i] / 6)];
+      Pose& p = rod.poses()[static_cast<std::size_t>(bending.dofs[i] / 6)];
       if (bending.dofs[i] % 6 == 2)
         p.position.z() += amplitude * shape[i];
       else
         p.rotation = rotated(p.rotation, Vec3(0, amplitude * shape[i], 0));
     }
     const VecX test = bending.M * shape;
+    RodStep step(rod);
+    step.damping = damping;
     Real q[4];
     for (Real& value : q) {
       value = 0;
@@ -86,7 +88,7 @@ struct Decay {
                  (bending.dofs[i] % 6 == 2 ? p.position.z()
                                            : rotation_between(Quat::Identity(), p.rotation).y());
       }
-      EXPECT_GT(rod.advance(h, Vec3::Zero(), VecX::Zero(rod.dofs()), well_balanced), 0);
+      EXPECT_GT(step.advance(rod, h, Vec3::Zero(), VecX::Zero(rod.dofs()), well_balanced), 0);
     }
     // q_{n+2} - a q_{n+1} + b q_n = 0 with a = 2 Re l, b = |l|^2.
     const Real det = q[1] * q[1] - q[0] * q[2];
@@ -106,7 +108,7 @@ TEST(Vibration, ImplicitEulerDecaysAsPredicted) {
     rod.build(straight_layout(0.05, 20, nylon()));
     rod.clamp(0);
     const Real h = table.number(i, "h s");
-    const Decay d(rod, h, mode);
+    const Decay d(rod, {}, h, mode);
     // Asked: 1 %.
     EXPECT_NEAR(d.size, table.number(i, "amplification per step"),
                 0.01 * table.number(i, "amplification per step"))
@@ -126,9 +128,7 @@ TEST(Vibration, RayleighDampingAsPredicted) {
       Rod rod;
       rod.build(straight_layout(0.05, 20, nylon()));
       rod.clamp(0);
-      rod.damping_mass = alpha;
-      rod.damping_stiffness = beta;
-      const Decay d(rod, h, 1);
+      const Decay d(rod, {.mass = alpha, .stiffness = beta}, h, 1);
       const Real expected = 1 / std::sqrt(1 + (alpha + beta * w * w) * h + w * w * h * h);
       EXPECT_NEAR(d.size, expected, 0.01 * expected) << h << ' ' << alpha << ' ' << beta;
     }

@@ -1,0 +1,168 @@
+#include "rod_guess.h"
+
+#include <algorithm>
+
+#include "element_mass.h"
+
+namespace sutura::thread {
+
+void RodStart::resize(Index nodes) {
+  const auto n = static_cast<std::size_t>(nodes);
+  for (auto* v : {&load, &velocity}) v->clear(6 * nodes);
+  tangent_rate.assign(n, Vec3::Zero());
+  twist.assign(n - 1, 0);
+  deformation.resize(n - 1);
+}
+
+void RodStart::reserve(Index nodes) {
+  const auto n = static_cast<std::size_t>(nodes);
+  for (auto* v : {&load, &velocity}) v->reserve(6 * nodes);
+  tangent_rate.reserve(n);
+  twist.reserve(n);
+  deformation.reserve(n);
+}
+
+void RodStart::take(Rod& rod) {
+  rod.mark_start();
+  twist = rod.twist();
+  velocity = rod.velocity();
+  for (Index i = 0; i < rod.nodes(); ++i)
+    tangent_rate[i] = Vec3(velocity.segment<3>(6 * i + 3)).cross(tangent(rod.poses()[i]));
+  ElementState s;
+  for (Index e = 0; e < rod.beams() && damping.stiffness > 0; ++e) {
+    rod.element_state(e, s);
+    deformation[e] = Deformation(s, rod.poses()[e], rod.poses()[e + 1]);
+  }
+}
+
+void ConstraintForce::resize(Index nodes) {
+  at.clear(6 * nodes);
+  lever.assign(static_cast<std::size_t>(nodes), Vec3::Zero());
+  axial_moment.assign(static_cast<std::size_t>(nodes), 0);
+}
+
+void ConstraintForce::reserve(Index nodes) {
+  at.reserve(6 * nodes);
+  lever.reserve(static_cast<std::size_t>(nodes));
+  axial_moment.reserve(static_cast<std::size_t>(nodes));
+}
+
+Vec3 ConstraintForce::lever_at(Index node, const Pose& section) const {
+  return Vec3(at.segment<3>(6 * node + 3)).cross(tangent(section));
+}
+
+void ConstraintForce::hold(const Rod& rod) {
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    lever[i] = lever_at(i, rod.poses()[i]);
+    axial_moment[i] = at.segment<3>(6 * i + 3).dot(tangent(rod.poses()[i]));
+  }
+}
+
+Real ConstraintForce::work(const Rod& rod, Index node, const Dofs& motion) const {
+  const Vec3 from = tangent(rod.poses(Configuration::start)[node]);
+  return at.segment<3>(6 * node).dot(motion.segment<3>(6 * node)) +
+         lever[node].dot(tangent(rod.poses()[node]) - from) +
+         axial_moment[node] * motion.segment<3>(6 * node + 3).dot(from);
+}
+
+void RodGuess::resize(Index nodes) {
+  const auto n = static_cast<std::size_t>(nodes);
+  for (auto* v : {&motion, &missing}) v->clear(6 * nodes);
+  force.resize(nodes);
+  tension.assign(n - 1, 0);
+  beams.resize(n - 1);
+  at_work.assign(n, 0);
+}
+
+void RodGuess::reserve(Index nodes) {
+  const auto n = static_cast<std::size_t>(nodes);
+  for (auto* v : {&motion, &missing}) v->reserve(6 * nodes);
+  force.reserve(nodes);
+  tension.reserve(n);
+  beams.reserve(n);
+  at_work.reserve(n);
+}
+
+void RodGuess::move(Rod& rod, const RodStart& start) {
+  const std::vector<Pose>& from = rod.poses(Configuration::start);
+  move_chain(from, start.twist, motion, rod.poses(), rod.twist());
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const Vec3 turn = motion.segment<3>(6 * i + 3), before = tangent(from[i]);
+    rod.velocity().segment<3>(6 * i) = motion.segment<3>(6 * i) / start.dt;
+    rod.velocity().segment<3>(6 * i + 3) =
+        (turn + turn.dot(before) * (tangent(rod.poses()[i]) - before)) / start.dt;
+  }
+  evaluate(rod, start);
+}
+
+void RodGuess::take_tension() {
+  for (std::size_t e = 0; e < beams.size(); ++e) tension[e] = beams[e].tension;
+}
+
+void RodGuess::evaluate(Rod& rod, const RodStart& start) {
+  missing.setZero();
+  std::fill(at_work.begin(), at_work.end(), 0);
+  for (Index e = 0; e < rod.beams(); ++e) {
+    rod.element_state(e, beams[e]);
+    rod.twist()[e] = beams[e].twist;
+    add_beam(rod, start, e);
+  }
+  for (const NodeSpring& spring : rod.springs()) {
+    if (!spring.active) continue;
+    const Wrench w = spring.wrench(rod.poses()[spring.node]);
+    missing.segment<3>(6 * spring.node) += start.dt * w.force;
+    missing.segment<3>(6 * spring.node + 3) += start.dt * w.moment;
+    at_work[spring.node] += w.force.norm();
+  }
+  missing += start.dt * start.load;
+  for (Index i = 0; i < rod.nodes(); ++i) at_work[i] += start.load.segment<3>(6 * i).norm();
+  for (const Index node : rod.clamped()) missing.segment<6>(6 * node).setZero();
+}
+
+void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
+  const Real dt = start.dt;
+  const ElementRest& r = rod.element(e);
+  const ElementState& s = beams[e];
+  const ElementVelocity v(rod.velocity(), e), old(start.velocity, e);
+  const ElementGradient g = gradient(r, s);
+  Vec3 xa = dt * g.v, xb = -xa, sa = -dt * g.a, sb = -dt * g.b;
+
+  // Gravity as a uniform change of velocity is exact and free of rounding; a clamp does not fall.
+  Vec3 fall = Vec3::Zero();
+  const Vec3 weight = dt * r.mass * start.gravity;
+  if (rod.clamped().empty()) {
+    fall = dt * start.gravity;
+  } else {
+    xa += weight / 2;
+    xb += weight / 2;
+    sa += r.length / 12 * s.ta.cross(weight);
+    sb -= r.length / 12 * s.tb.cross(weight);
+  }
+  if (start.damping.stiffness > 0) {
+    const Real beta = start.damping.stiffness;
+    const ElementGradient d = viscous_gradient(r, s, change_of_deformation(rod, start, *this, e));
+    xa += beta * d.v;
+    xb -= beta * d.v;
+    sa -= beta * d.a;
+    sb -= beta * d.b;
+  }
+  // Change of momentum. The rate of the tangents is compared as a vector: so linear momentum is
+  // kept exactly while they turn.
+  const Real keep = 1 + dt * start.damping.mass;
+  const NodeRates a{keep * v.va - old.va - fall, keep * v.wa.cross(s.ta) - start.tangent_rate[e],
+                    keep * v.wa - old.wa};
+  const NodeRates b{keep * v.vb - old.vb - fall,
+                    keep * v.wb.cross(s.tb) - start.tangent_rate[e + 1], keep * v.wb - old.wb};
+  const MassTimes p(rod.inertia(e), s, a, b);
+  missing.segment<3>(6 * e) += xa - p.xa;
+  missing.segment<3>(6 * e + 3) += sa - p.sa;
+  missing.segment<3>(6 * e + 6) += xb - p.xb;
+  missing.segment<3>(6 * e + 9) += sb - p.sb;
+
+  // A strain of 1e-10 is rounding.
+  const Real inner = g.v.norm() + 1e-10 * r.axial, outer = (weight.norm() / 2) / dt;
+  at_work[e] += inner + g.a.norm() / r.length + p.xa.norm() / dt + outer;
+  at_work[e + 1] += inner + g.b.norm() / r.length + p.xb.norm() / dt + outer;
+}
+
+}  // namespace sutura::thread

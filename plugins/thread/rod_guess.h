@@ -1,0 +1,92 @@
+// What a step of a rod begins from, and a guess of its end: where that is, and what it lacks of
+// balance.
+//
+// The balance, with poses x = start + h v and v the velocity at the end (6 per node: translation,
+// spin; world axes):
+//   r = M (v_start - v) + h (f(x) + weight - B v),      B = alpha M + beta K
+// f is the exact gradient of the energy; B v is the drag alpha M v and the viscous force of
+// viscosity.h. r plus h times the forces of constraints is zero at the end of a step.
+#pragma once
+
+#include <vector>
+
+#include "rod.h"
+#include "viscosity.h"
+
+namespace sutura::thread {
+
+struct RodDamping {
+  Real mass = 0;       ///< alpha, 1/s
+  Real stiffness = 0;  ///< beta, s
+};
+
+/// What a step begins from, and what goes on all the time. The poses of the start are the rod's
+/// (Configuration::start).
+struct RodStart {
+  Real dt = 0;
+  Vec3 gravity = Vec3::Zero();
+  RodDamping damping;
+  DofVector load;                        ///< dead loads, N, N m; 6 per node
+  DofVector velocity;                    ///< 6 per node
+  std::vector<Vec3> tangent_rate;        ///< per node, 1/s
+  std::vector<Real> twist;               ///< per beam, rad
+  std::vector<Deformation> deformation;  ///< per beam; kept only where there is viscosity
+
+  void resize(Index nodes);
+  void reserve(Index nodes);
+  /// The step begins where the rod is.
+  void take(Rod& rod);
+};
+
+/// The forces of constraints on the nodes, as they act while a rod goes from one guess to the next:
+/// a force beside a node has a moment there, t x lever, that turns with the tangent t.
+struct ConstraintForce {
+  DofVector at;                    ///< N, N m; 6 per node
+  std::vector<Vec3> lever;         ///< per node, N m
+  std::vector<Real> axial_moment;  ///< per node, about the tangent, N m
+
+  void resize(Index nodes);
+  void reserve(Index nodes);
+  bool pushes(Index node) const { return !at.segment<3>(6 * node).isZero(0); }
+  /// Force times its distance from the node, as far as its moment tells: across the tangent (N m).
+  Vec3 lever_at(Index node, const Pose& section) const;
+  /// Lever and axial moment of every node from `at`, at the present poses.
+  void hold(const Rod& rod);
+  /// Work on a node since the start of the step (J).
+  Real work(const Rod& rod, Index node, const Dofs& motion) const;
+};
+
+/// A guess of the end of a step. Its unknowns are the motion, the forces of constraints and the
+/// tension of the beams; the rod's poses, twist and velocity are those of the motion.
+struct RodGuess {
+  DofVector motion;  ///< from the start: shift and turn of every node (see `turned`; m, rad)
+  ConstraintForce force;
+  std::vector<Real> tension;  ///< per beam, that the pass before predicted, N
+
+  // What `move_to` and `evaluate` find there.
+  std::vector<ElementState> beams;
+  DofVector missing;  ///< r: momentum due without forces of constraints (N s, N m s; 6 per node)
+  std::vector<Real> at_work;  ///< per node: sum of the sizes of the forces on it (N)
+
+  void resize(Index nodes);
+  void reserve(Index nodes);
+  /// Puts the rod where the motion leads, with the velocity that takes it there, and evaluates.
+  void move(Rod& rod, const RodStart& start);
+  /// The tension is that of the beams as they are.
+  void take_tension();
+  bool goes_straight(const Rod& rod, Index node) const {
+    return force.pushes(node) || rod.is_held(node);
+  }
+
+ private:
+  void evaluate(Rod& rod, const RodStart& start);
+  void add_beam(const Rod& rod, const RodStart& start, Index beam);
+};
+
+/// How a beam is deformed against the start of the step.
+inline DeformationChange change_of_deformation(const Rod& rod, const RodStart& start,
+                                               const RodGuess& guess, Index beam) {
+  return {guess.beams[beam], rod.poses()[beam], rod.poses()[beam + 1], start.deformation[beam]};
+}
+
+}  // namespace sutura::thread

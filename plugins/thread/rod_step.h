@@ -1,0 +1,78 @@
+// One implicit Euler step of a rod, solved in passes. The passes are the caller's (step.cpp of the
+// runtime).
+//
+// At a guess of the end of the step (rod_guess.h) with momentum r missing, a pass solves A dv = r
+// (rod_tangent.h) and goes on by the answer (rod_way.h), as far as the potential falls
+// (rod_potential.h). A is exact where it is positive definite so, and convex elsewhere. The rod
+// stands at the guess all the time; `end` leaves it there.
+#pragma once
+
+#include "block_tridiagonal.h"
+#include "rod_guess.h"
+#include "rod_tangent.h"
+#include "rod_way.h"
+
+namespace sutura::thread {
+
+class RodStep {
+ public:
+  RodDamping damping;
+
+  RodStep() = default;
+  explicit RodStep(const Rod& rod) { fit(rod); }
+  /// To be called whenever the rod was built or has got other nodes. What acts on it is zero then.
+  void fit(const Rod& rod);
+  /// Room for so many beams: up to it, no call allocates anything.
+  void reserve(Index beams);
+  /// What the next step asks of the last one, between two steps.
+  void archive(Archive& archive, const Rod& rod);
+
+  /// Dead loads of the steps to come (N, N m; 6 per node), or empty: none.
+  void set_load(const VecX& load);
+  /// Begins a step where the last one ended, or the same step anew with another length.
+  void begin(Rod& rod, Real dt, const Vec3& gravity);
+  /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
+  /// if A is not positive definite.
+  bool linearise(const Rod& rod, const Dofs& force);
+  /// The guess moves by that change and the answer to a change of force; only part of the way where
+  /// that turns a beam too far.
+  void correct(Rod& rod, const Dofs& force_change);
+  /// Of the guess under `force` of constraints.
+  Imbalance imbalance(const Rod& rod, const Dofs& force) const;
+  /// A balanced guess that is no minimum of the potential moves on to where that is lower. False if
+  /// it is a minimum, or if constraints push the rod: they may hold it there.
+  bool leave_saddle(Rod& rod);
+  /// Another guess.
+  void move_to(Rod& rod, const VecX& motion);
+  /// The guess is the end of the step, which had this force of constraints.
+  void end(Rod& rod, const Dofs& force);
+  /// A whole step under `force` alone, in passes until its relative imbalance is below `tolerance`.
+  /// Returns the passes, 0 if they did not get there.
+  Index advance(Rod& rod, Real dt, const Vec3& gravity, const Dofs& force, Real tolerance = 1e-9);
+
+  const RodStart& start() const { return start_; }
+  const RodGuess& guess() const { return guess_; }
+  /// Change of the guess, in velocity, that answers what is missing of balance.
+  const DofVector& change() const { return change_; }
+  /// A, as the last pass has factored it.
+  const BlockTridiagonal& matrix() const { return matrix_; }
+
+ private:
+  bool buckles(const Rod& rod);
+
+  /// Forces below this share of the largest in the rod are taken for rounding where nothing else is
+  /// at work.
+  static constexpr Real negligible = 1e-6;
+
+  RodStart start_;
+  RodGuess guess_;
+  RodWay way_;
+  BlockTridiagonal matrix_;
+  DofVector change_, answer_;
+  bool in_step_ = false;
+  bool pushed_ = false;  ///< by constraints, in the last step
+  Real last_turn_ = 0;   ///< that the pass before asked of a beam (rad)
+  bool stuck_ = false;   ///< less than a tenth of the last pass could be taken
+};
+
+}  // namespace sutura::thread

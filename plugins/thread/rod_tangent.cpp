@@ -1,0 +1,114 @@
+#include "rod_tangent.h"
+
+#include <algorithm>
+
+namespace sutura::thread {
+
+namespace {
+
+/// (1 - share) a + share b.
+void blend(ElementMatrix& a, const ElementMatrix& b, Real share) {
+  const auto mix = [share](Mat3& x, const Mat3& y) { x += share * (y - x); };
+  mix(a.vv, b.vv), mix(a.va, b.va), mix(a.vb, b.vb);
+  mix(a.aa, b.aa), mix(a.ab, b.ab), mix(a.bb, b.bb);
+}
+
+/// K of one beam, with the share that viscosity adds to it: to be multiplied by h (h + beta).
+void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Index e,
+               Tangent tangent, ElementMatrix& k) {
+  const Real beta = start.damping.stiffness;
+  ElementState s = guess.beams[e];
+  s.tension = tangent == Tangent::taut ? std::max(guess.tension[e], s.tension) : guess.tension[e];
+  if (tangent == Tangent::exact)
+    hessian(rod.element(e), s, k);
+  else
+    step_stiffness(rod.element(e), s, k);
+  if (!(beta > 0)) return;
+  ElementMatrix viscous;
+  s.tension -= rod.element(e).axial * start.deformation[e].strain;  // times beta/h
+  step_stiffness(rod.element(e), s, viscous);
+  blend(k, viscous, beta / (start.dt + beta));
+}
+
+/// The derivative of the moments of constraint forces, which turn with the tangents.
+void add_turning_moments(const Rod& rod, const RodGuess& guess, Real dt, BlockTridiagonal& matrix) {
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const Vec3 t = tangent(rod.poses()[i]);
+    const Mat3 product = t * guess.force.lever_at(i, rod.poses()[i]).transpose();
+    matrix.diagonal(i).bottomRightCorner<3, 3>() -= dt * dt / 2 * (product + product.transpose());
+  }
+}
+
+}  // namespace
+
+void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,
+              BlockTridiagonal& matrix) {
+  const Real dt = start.dt;
+  const Real mass_factor = 1 + dt * start.damping.mass;
+  const Real stiffness_factor = dt * (dt + start.damping.stiffness);
+  matrix.diagonal(0).setZero();
+  ElementMatrix k;
+  for (Index e = 0; e < rod.beams(); ++e) {
+    stiffness(rod, start, guess, e, tangent, k);
+    const ElementMass& m = rod.inertia(e);
+    const ElementState& s = guess.beams[e];
+
+    Mat6& da = matrix.diagonal(e);
+    Mat6& db = matrix.diagonal(e + 1);
+    Mat6& up = matrix.upper(e);
+    const Mat3 ee = s.e * s.e.transpose();
+    const Mat3 vv = stiffness_factor * k.vv;
+    const auto plus_diagonal = [](Mat3 a, Real c) {
+      a.diagonal().array() += c;
+      return a;
+    };
+    const Real same = mass_factor * m.same, other = mass_factor * m.other;
+    const Real cs = mass_factor * m.couple_same, co = mass_factor * m.couple_other;
+    const Real ss = mass_factor * m.spin_same, so = mass_factor * m.spin_other;
+    const Real rs = mass_factor * m.roll_same, ro = mass_factor * m.roll_other;
+    const Mat3 ta = cross_matrix(s.ta), tb = cross_matrix(s.tb);
+
+    da.topLeftCorner<3, 3>() += plus_diagonal(vv, same);
+    const Mat3 xs = stiffness_factor * k.va + cs * ta;
+    da.topRightCorner<3, 3>() -= xs;
+    da.bottomLeftCorner<3, 3>() -= xs.transpose();
+    da.bottomRightCorner<3, 3>() +=
+        plus_diagonal(stiffness_factor * k.aa + rs * ee - ss * (s.ta * s.ta.transpose()), ss + rs);
+
+    db.topLeftCorner<3, 3>() = plus_diagonal(vv, same);
+    const Mat3 ys = stiffness_factor * k.vb + cs * tb;
+    db.topRightCorner<3, 3>() = ys;
+    db.bottomLeftCorner<3, 3>() = ys.transpose();
+    db.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.bb + rs * ee - ss * (s.tb * s.tb.transpose()), ss + rs);
+
+    up.topLeftCorner<3, 3>() = plus_diagonal(-vv, other);
+    up.topRightCorner<3, 3>() = -stiffness_factor * k.vb - co * tb;
+    up.bottomLeftCorner<3, 3>() = (stiffness_factor * k.va + co * ta).transpose();
+    up.bottomRightCorner<3, 3>() =
+        plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
+                      so * s.ta.dot(s.tb) + ro);
+  }
+  if (tangent == Tangent::exact) add_turning_moments(rod, guess, dt, matrix);
+  for (const NodeSpring& spring : rod.springs()) {
+    if (!spring.active) continue;
+    auto diagonal = matrix.diagonal(spring.node).diagonal().array();
+    diagonal.head<3>() += dt * dt * spring.stiffness.translation;
+    diagonal.tail<3>() += dt * dt * spring.stiffness.rotation;
+  }
+  for (const Index node : rod.clamped())
+    for (int d = 0; d < 6; ++d) matrix.fix(node, d);
+}
+
+// Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about
+// its own axis is 1e-14 of its torsional stiffness): then a shift by so much of the diagonal brings
+// it back.
+bool factor(BlockTridiagonal& matrix) {
+  for (Real shift = 1e-13; !matrix.factor(); shift *= 100) {
+    if (!(shift < 1e-6)) return false;
+    for (Index i = 0; i < matrix.blocks(); ++i) matrix.diagonal(i).diagonal() *= 1 + shift;
+  }
+  return true;
+}
+
+}  // namespace sutura::thread

@@ -1,0 +1,25 @@
+// The matrix of a rod's step, A = M + h B + h^2 K, at a guess: minus the derivative of the balance
+// (rod_guess.h) by the velocity at the end of the step.
+#pragma once
+
+#include "block_tridiagonal.h"
+#include "rod_guess.h"
+
+namespace sutura::thread {
+
+/// What stands for K.
+///   exact: the Hessian of the energy, which may be indefinite.
+///   convex: its positive semidefinite part (`step_stiffness` in element.h).
+///   taut: likewise, and a beam whose tension is larger than predicted is stiffened by that.
+/// The first two take the predicted tension of the guess: stretch that a turn faked is not to
+/// stiffen a beam (docs/theory/thread.md). Viscosity is by the convex part of its own stiffness, in
+/// all three.
+enum class Tangent { exact, convex, taut };
+
+void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,
+              BlockTridiagonal& matrix);
+
+/// Factors what `assemble` made; false if that is not positive definite.
+bool factor(BlockTridiagonal& matrix);
+
+}  // namespace sutura::thread
