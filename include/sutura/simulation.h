@@ -169,13 +169,17 @@ class Simulation {
   std::string take_folder(bool files_stay);
   void take_step(Timer& timer);
   void begin_report();
+  void record();
   bool balance(StepContext context, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
   void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);
+  void solve();
   bool measure(const StepContext& context);
   bool leave_saddles();
-  void constraint_force(std::size_t body);
+  Index least_passes() const;
+  void forget_passes();
+  void constraint_force(std::size_t body, const GrowingVec& lambda);
   void note_fault(const std::string& path, const std::string& fault);
   void accept(const StepContext& context, bool solved, Timer& timer);
   std::unique_ptr<Scene> scene_;
@@ -198,9 +202,9 @@ class Simulation {
   std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
   Real violation_ = 0;                ///< likewise
   std::unique_ptr<BetterGuess> better_guess_;
-  std::vector<VecX> motion_;  ///< memory of `detect`
-  std::string identity_;      ///< of scene, files and build: what a state must agree with
-  GrowingVec lambda_before_;
+  std::vector<VecX> motion_;          ///< memory of `detect`
+  std::string identity_;              ///< of scene, files and build: what a state must agree with
+  GrowingVec lambda_change_;          ///< of the pass (N)
   const Component* asked_ = nullptr;  ///< the component at work
   StepReport report_;
   bool recording_ = false;

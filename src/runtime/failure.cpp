@@ -60,4 +60,9 @@ Diagnostic failure_of(const Component* who, const std::string& when) {
   return d;
 }
 
+Diagnostic failure_in_step(const Component* who, Stage stage, Index step) {
+  const std::string name(stage_names[static_cast<std::size_t>(stage)]);
+  return failure_of(who, "in stage '" + name + "' of step " + std::to_string(step));
+}
+
 }  // namespace sutura

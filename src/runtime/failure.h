@@ -5,6 +5,7 @@
 
 #include "sutura/component.h"
 #include "sutura/constraints.h"
+#include "sutura/simulation.h"
 
 namespace sutura {
 
@@ -23,5 +24,7 @@ void check_rows(const ConstraintProblem& problem, const Scene& scene);
 /// To be called in a `catch (...)`: what to say of the exception. `who` was at work, or nullptr if
 /// that was no component; `when`: "while it was initialised".
 Diagnostic failure_of(const Component* who, const std::string& when);
+/// The same where a component was at work in that stage of a step.
+Diagnostic failure_in_step(const Component* who, Stage stage, Index step);
 
 }  // namespace sutura

@@ -1,4 +1,4 @@
-// Recorders from the first file to the last; what they do in a step is in step.cpp.
+// Recorders from the first file to the last.
 #include "runtime/failure.h"
 #include "runtime/output_folder.h"
 #include "sutura/simulation.h"
@@ -15,6 +15,12 @@ std::string Simulation::ask_recorder(Recorder& recorder, const Call& call) {
     if (!report_.failure) report_.failure = failure;
     return failure.node_path + ": " + failure.message;
   }
+}
+
+/// In a step: what a recorder throws is a failure of the step.
+void Simulation::record() {
+  for (Recorder* recorder : recorders_)
+    if (recording_ && record_error_.empty()) record_error_ = ask(recorder).record(*this, report_);
 }
 
 std::string Simulation::take_folder(bool files_stay) {

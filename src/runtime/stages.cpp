@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/stage_timer.h"
+#include "runtime/better_guess.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
 
@@ -26,10 +27,22 @@ bool Simulation::leave_saddles() {
   return left;
 }
 
+Index Simulation::least_passes() const {
+  Index least = 1;
+  for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
+  return least;
+}
+
+/// A new step, or an event: the passes to come have nothing to do with those before.
+void Simulation::forget_passes() {
+  std::fill(settled_.begin(), settled_.end(), 0);
+  better_guess_->forget();
+}
+
 /// body_force_ of one body <- H^T lambda.
-void Simulation::constraint_force(std::size_t body) {
+void Simulation::constraint_force(std::size_t body, const GrowingVec& lambda) {
   body_force_[body].setZero(bodies_[body].body->dofs());
-  problem_.bodies[body].add_transposed(problem_.lambda, body_force_[body]);
+  problem_.bodies[body].add_transposed(lambda, body_force_[body]);
 }
 
 /// What may touch at the present guess. Where a source finds the way to it barred, the guess goes
@@ -50,6 +63,17 @@ void Simulation::detect(const StepContext& context) {
   }
 }
 
+/// Events wait: lambda is that of a guess. The report counts them over the whole step.
+void Simulation::solve() {
+  law_check_->begin(problem_);
+  problem_.hold_events = true;
+  const Index events = report_.solve.events;
+  lambda_change_ = -problem_.lambda;
+  report_.solve = problem_.rows() > 0 ? ask(solver_).solve(problem_) : SolveReport{};
+  report_.solve.events = events;
+  lambda_change_ += problem_.lambda;
+}
+
 /// Momentum and violation of the present guess, with rows and forces as they are there. Where the
 /// gaps are good, a body well within the tolerance stays as it is in the next pass, which is for
 /// the others: often the thread alone, at a hundredth of the cost of the tissue. What changes of
@@ -60,7 +84,7 @@ bool Simulation::measure(const StepContext& context) {
   bool good = violation_ <= limits.gap_tolerance;
   const bool close = violation_ <= limits.gap_tolerance / 2;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    constraint_force(i);
+    constraint_force(i, problem_.lambda);
     imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);
     good = good && imbalance_[i].relative <= limits.tolerance;
     settled_[i] = close && imbalance_[i].relative <= limits.tolerance / 20;

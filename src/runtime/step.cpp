@@ -8,12 +8,12 @@
 #include "runtime/better_guess.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
-#include "solve/law_check.h"
+#include "solve/law_residual.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
 
-/// What throws leaves the bodies where they are in the middle of the step: it is the last one.
+/// A component that throws ends the run: the bodies stay as they are in the middle of the step.
 const StepReport& Simulation::step() {
   if (report_.failure) return report_;
   const FloatingPoint mode;
@@ -23,9 +23,7 @@ const StepReport& Simulation::step() {
   try {
     take_step(timer);
   } catch (...) {
-    report_.failure = failure_of(
-        asked_, "in stage '" + std::string(stage_names[static_cast<std::size_t>(timer.current())]) +
-                    "' of step " + std::to_string(number));
+    report_.failure = failure_in_step(asked_, timer.current(), number);
   }
   return report_;
 }
@@ -50,9 +48,7 @@ void Simulation::take_step(Timer& timer) {
 
   // Files. Read-only.
   timer.enter(Stage::record);
-  for (Recorder* recorder : recorders_) {
-    if (recording_ && record_error_.empty()) record_error_ = ask(recorder).record(*this, report_);
-  }
+  record();
 }
 
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both
@@ -65,10 +61,8 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   for (const NamedBody& b : bodies_) ask(b.body).begin_step(context);
   build(context, timer);
 
-  std::fill(settled_.begin(), settled_.end(), 0);
-  better_guess_->forget();
-  Index least = 1;
-  for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());
+  forget_passes();
+  const Index least = least_passes();
   Index most = std::max(least, scene_->limits.passes);
   Index saddles = 0;
   while (context.pass < most) {
@@ -87,12 +81,11 @@ bool Simulation::balance(StepContext context, Timer& timer) {
       if (goes_on && better_guess_->move_on(context)) build(context, timer);
       continue;
     }
-    better_guess_->forget();
     // What cannot be undone happens on forces that have been verified, all that is due at once.
     const Index fired = fire_events(problem_);
     most += fired;
     report_.solve.events += fired;
-    std::fill(settled_.begin(), settled_.end(), 0);
+    forget_passes();
     if (fired > 0) continue;
     if (!leave_saddles()) return true;
     constexpr Index most_saddles = 4;
@@ -105,12 +98,11 @@ bool Simulation::balance(StepContext context, Timer& timer) {
 
 /// One linearisation of all that is not settled about the present guess, and the next guess.
 void Simulation::pass(const StepContext& context, Timer& timer) {
-  // Every body alone: A dv = what its balance lacks under the present forces; where that leads the
-  // gaps.
+  // Every body alone: A dv = what its balance lacks. d_free: where that leads the gaps.
   timer.enter(Stage::linearise);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (settled_[i]) continue;
-    constraint_force(i);
+    constraint_force(i, problem_.lambda);
     ask(bodies_[i].body).linearise(context, body_force_[i]);
     problem_.bodies[i].add_product(context.dt, bodies_[i].body->change(), problem_.d_free);
   }
@@ -122,25 +114,17 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
     if (problem_.bodies[i].size() > 0)
       ask(bodies_[i].body).add_compliance(problem_.bodies[i], context.dt, problem_.W);
 
-  // lambda and the state of every block.
+  // lambda, the mode of every block, and by how much lambda has changed.
   timer.enter(Stage::solve);
-  law_check_->begin(problem_);
-  problem_.hold_events = true;
-  const Index events = report_.solve.events;
-  lambda_before_ = problem_.lambda;
-  report_.solve = problem_.rows() > 0 ? ask(solver_).solve(problem_) : SolveReport{};
-  report_.solve.events = events;
+  solve();
 
   // The next guess: dv += h A^-1 H^T (lambda - lambda before).
   timer.enter(Stage::correct);
-  problem_.lambda.swap(lambda_before_);
-  problem_.lambda = lambda_before_ - problem_.lambda;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (settled_[i]) continue;
-    constraint_force(i);
+    constraint_force(i, lambda_change_);
     ask(bodies_[i].body).correct(context, body_force_[i]);
   }
-  problem_.lambda.swap(lambda_before_);
 }
 
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
