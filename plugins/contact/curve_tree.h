@@ -11,7 +11,6 @@ namespace sutura::contact {
 class CurveTree {
  public:
   void fit(const MovingCurve& curve);
-  std::size_t leaves() const { return leaves_; }
   /// Nodes are numbered from 1; node k has the children 2k and 2k + 1; leaf i is node first_leaf +
   /// i.
   std::size_t first_leaf() const { return first_leaf_; }

@@ -81,7 +81,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
       if (goes_on && better_guess_->move_on(context)) build(context, timer);
       continue;
     }
-    // What cannot be undone happens on forces that have been verified, all that is due at once.
+    // Events fire on forces that have been verified, all that are due at once.
     const Index fired = fire_events(problem_);
     most += fired;
     report_.solve.events += fired;

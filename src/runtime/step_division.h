@@ -13,7 +13,6 @@ class StepDivision {
   Index parts() const { return parts_; }
   /// Where the present part begins, in units of the step.
   Real begin() const { return static_cast<Real>(part_) / static_cast<Real>(parts_); }
-  bool divided() const { return parts_ > 1; }
   /// Halves the present part. False if it cannot be any shorter.
   bool halve() {
     if (2 * parts_ > most_) return false;

@@ -16,7 +16,7 @@ class LawCheck {
   /// moved under lambda already, and the laws are to be solved for the whole of it.
   void begin(ConstraintProblem& problem);
   /// Of problem.delta and problem.lambda as they are; fills in the violation of each block. A block
-  /// that `note` has not seen counts with the compliance that its units make.
+  /// that `begin` has not seen counts with the compliance that its units make.
   Residual measure(ConstraintProblem& problem);
 
  private:

@@ -25,7 +25,7 @@ Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
 /// Fires what is due, all at once; returns how many.
 Index fire_events(ConstraintProblem& problem);
 
-/// Irreversible events wait for forces that are converged at least this well (in units of the
+/// Events wait for forces that are converged at least this well (in units of the
 /// blocks): fired on transient forces they end in wrong states (algorithms.md, finding 4).
 inline constexpr Real event_gate = 1e-3;
 
