@@ -1,16 +1,17 @@
-// Point masses on linear springs with a dense A: bodies small enough for closed forms, stepped as
-// src/runtime/step.cpp does, so that laws, builder and solver are tested together without scene or
-// meshes.
+// Point masses on linear springs with a dense A: bodies small enough for closed forms, in a
+// simulation with rows of the test's own.
 #pragma once
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <functional>
+#include <stdexcept>
 
-#include "solve/gauss_seidel.h"
-#include "solve/law_check.h"
 #include "sutura/constraints.h"
-#include "sutura/scene.h"
+#include "sutura/describe.h"
+#include "sutura/plugin.h"
+#include "sutura/simulation.h"
+#include "sutura/units.h"
 
 namespace sutura::test {
 
@@ -129,95 +130,94 @@ class PointMasses : public Body {
   Eigen::LDLT<MatX> factor_;
 };
 
-/// Bodies and one function that builds the blocks at a guess; it is asked once more after each
-/// pass.
+/// A body of the test as a component of the scene.
+class LentBody : public Component, public Body {
+ public:
+  static void describe(Describe<LentBody>& d) { d.summary("A body of a test."); }
+  Body* lent = nullptr;
+
+  Index dofs() const override { return lent->dofs(); }
+  int width() const override { return lent->width(); }
+  void begin_step(const StepContext& c) override { lent->begin_step(c); }
+  void linearise(const StepContext& c, const VecX& force) override { lent->linearise(c, force); }
+  Eigen::Ref<const VecX> change() const override { return lent->change(); }
+  void solve(Eigen::Ref<MatX> columns) const override { lent->solve(columns); }
+  void correct(const StepContext& c, const VecX& change) override { lent->correct(c, change); }
+  Imbalance imbalance(const StepContext& c, const VecX& f) override {
+    return lent->imbalance(c, f);
+  }
+  void end_step(const StepContext& c, const VecX& force) override { lent->end_step(c, force); }
+  Vec3 momentum() const override { return lent->momentum(); }
+  Real mass() const override { return lent->mass(); }
+  Real energy() const override { return lent->energy(); }
+  bool finite() const override { return lent->finite(); }
+  BodyGeometry geometry() const override { return lent->geometry(); }
+};
+
+/// Rows as a function of the test.
+class TestRows : public Component, public ConstraintSource {
+ public:
+  static void describe(Describe<TestRows>& d) { d.summary("Rows of a test."); }
+  std::function<void(ConstraintBuilder&)> rows;
+  void build(const StepContext&, ConstraintBuilder& builder) override {
+    if (rows) rows(builder);
+  }
+};
+
+/// A simulation of these bodies. Each step is given a function that makes the rows at a guess; it
+/// is asked before the first pass and after every pass.
 class SmallWorld {
  public:
   using Build = std::function<void(ConstraintBuilder&)>;
-  SmallWorld(std::vector<Body*> all, Real dt, Vec3 gravity = Vec3::Zero())
-      : bodies(std::move(all)),
-        context{.dt = dt, .time = 0, .step = 0, .gravity = gravity},
-        builder(problem, {bodies.begin(), bodies.end()}) {}
-  /// The last solve, with the events of the whole step. Bodies that are linear under rows that do
-  /// not turn need one pass, and one more after an event.
-  SolveReport step(const Build& build) {
-    context.pass = 0;
-    solved = false;
-    for (Body* b : bodies) b->begin_step(context);
-    rebuild(build);
-    SolveReport report;
-    Index events = 0;
-    while (!solved && context.pass < limits.passes + events) {
-      report = pass();
-      ++context.pass;
-      rebuild(build);
-      if (!measure()) continue;
-      const Index fired = fire_events(problem);
-      events += fired;
-      solved = fired == 0;
-    }
-    builder.accept();
-    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i]->end_step(context, force_on(i));
-    ++context.step;
-    context.time = static_cast<Real>(context.step) * context.dt;
-    report.events = events;
-    return report;
+  struct Settings {
+    Real dt = 0.01;                ///< s
+    Vec3 gravity = Vec3::Zero();   ///< m/s^2
+    Real gap_tolerance = 1e-6;     ///< m
+    Real solver_tolerance = 1e-9;  ///< of the law residual
+  };
+
+  SmallWorld(const std::vector<Body*>& bodies, const Settings& settings) {
+    enrol_builtin(registry_);
+    registry_.component<LentBody>("LentBody");
+    registry_.component<TestRows>("TestRows");
+    std::string text = "<sutura version='1' substeps='1' dt='" + format_real(settings.dt) +
+                       "' gap_tolerance='" + format_real(settings.gap_tolerance) + "' gravity='" +
+                       format_real(settings.gravity.x()) + " " + format_real(settings.gravity.y()) +
+                       " " + format_real(settings.gravity.z()) + "'><GaussSeidel tolerance='" +
+                       format_real(settings.solver_tolerance) + "'/><TestRows name='rows'/>";
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      text += "<LentBody name='b" + std::to_string(i) + "'/>";
+    Diagnostics diagnostics;
+    auto scene = load_scene_text(text + "</sutura>", "test.xml", ".", registry_, diagnostics);
+    for (std::size_t i = 0; scene && i < bodies.size(); ++i)
+      dynamic_cast<LentBody&>(*scene->find("/b" + std::to_string(i))).lent = bodies[i];
+    if (scene) simulation_ = Simulation::compile(std::move(scene), ".", diagnostics);
+    if (!simulation_) throw std::runtime_error(diagnostics.all().front().text());
+    rows_ = dynamic_cast<TestRows*>(simulation_->find("/rows"));
   }
-  /// Adds sign * directions (rows x 3) on a node to a block.
-  void couple(BlockId id, const PointMasses& body, Index node, const MatX& directions) {
+  /// Bodies that are linear under rows that do not turn need one pass, and one more after an event.
+  const StepReport& step(const Build& build) {
+    rows_->rows = build;
+    return simulation_->step();
+  }
+  Real time() const { return simulation_->time(); }
+  const ConstraintProblem& problem() const { return simulation_->problem(); }
+  /// Adds directions (rows x 3) on a node to a block.
+  void couple(ConstraintBuilder& builder, BlockId id, const PointMasses& body, Index node,
+              const MatX& directions) {
     PointJacobian J;
     J.nodes = 1;
     J.node[0] = node;
     J.coefficients = Mat3::Identity();
-    builder.couple(id, body, directions, J, body.position(node, Configuration::current));
+    for (const Simulation::NamedBody& b : simulation_->bodies())
+      if (dynamic_cast<LentBody&>(*b.body).lent == &body)
+        builder.couple(id, *b.body, directions, J, body.position(node, Configuration::current));
   }
-
-  std::vector<Body*> bodies;
-  StepContext context;  ///< after a step, `pass` is how many it took
-  StepLimits limits{.substeps = 1};
-  ConstraintProblem problem;
-  ConstraintBuilder builder;
-  BlockGaussSeidel solver;
-  LawCheck check;
-  bool solved = false;  ///< the last step met the limits
 
  private:
-  void rebuild(const Build& build) {
-    using Warm = ConstraintBuilder::Warm;
-    builder.begin(context.pass == 0 ? Warm::step_before : Warm::pass_before);
-    build(builder);
-    builder.finish();
-  }
-  SolveReport pass() {
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      bodies[i]->linearise(context, force_on(i));
-      problem.bodies[i].add_product(context.dt, bodies[i]->change(), problem.d_free);
-    }
-    problem.W.setZero(problem.rows(), problem.rows());
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (problem.bodies[i].size() > 0)
-        bodies[i]->add_compliance(problem.bodies[i], context.dt, problem.W);
-    check.begin(problem);
-    problem.hold_events = true;
-    const GrowingVec before = problem.lambda;
-    const SolveReport report = solver.solve(problem);
-    const GrowingVec after = problem.lambda;
-    problem.lambda -= before;
-    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i]->correct(context, force_on(i));
-    problem.lambda = after;
-    return report;
-  }
-  bool measure() {
-    bool good = check.measure(problem).violation <= limits.gap_tolerance;
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      good = good && bodies[i]->imbalance(context, force_on(i)).relative <= limits.tolerance;
-    return good;
-  }
-  VecX force_on(std::size_t body) const {
-    VecX f = VecX::Zero(bodies[body]->dofs());
-    problem.bodies[body].add_transposed(problem.lambda, f);
-    return f;
-  }
+  Registry registry_;
+  std::unique_ptr<Simulation> simulation_;
+  TestRows* rows_ = nullptr;
 };
 
 }  // namespace sutura::test

@@ -23,7 +23,7 @@ namespace {
 struct NeedleModel {
   Real K, tau, fp, fc;
   PointMasses slab{1, 1e-9};
-  SmallWorld world{{&slab}, 0.01};
+  SmallWorld world{{&slab}, {}};
   bool inside = false;
   Real path_end = 0;  // depth of the recorded path, in the slab
   Real inserted = 0, force = 0, slip = 0;
@@ -48,13 +48,13 @@ struct NeedleModel {
         // Rows: tip minus surface point. The slab is the only body: its force is the reaction.
         surface = builder.add<suturing::PunctureLaw>(
             {1}, p, Vec3(0, 0, depth_now()), suturing::PunctureLaw::pressing, {.force = fp});
-        world.couple(surface, slab, 0, -Mat3::Identity());
+        world.couple(builder, surface, slab, 0, -Mat3::Identity());
         return;
       }
       const MatX along = Vec3(0, 0, 1).transpose();
       const BlockId cut = builder.add<suturing::CuttingLaw>({2}, {.threshold = fc},
                                                             BlockVector<1>(path_end - depth_now()));
-      world.couple(cut, slab, 0, along);
+      world.couple(builder, cut, slab, 0, along);
       // Friction on the inserted length of the last step; its growth within the step acts as a
       // viscous part.
       const Real before = inserted, level = tau * inserted;
@@ -62,10 +62,10 @@ struct NeedleModel {
       friction = builder.add<suturing::PathFrictionLaw>(
           {3}, {.static_level = level, .kinetic = level, .viscous = slip > 0 ? tau : 0.0},
           BlockVector<1>(moved), suturing::PathFrictionLaw::stick);
-      world.couple(friction, slab, 0, -along);
+      world.couple(builder, friction, slab, 0, -along);
     });
     (void)from;
-    const SolvedBlocks solved(world.problem);
+    const SolvedBlocks solved(world.problem());
     const Real depth = to - slab.x[2];
     force = K * slab.x[2];
     if (surface.valid()) {
@@ -145,7 +145,7 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
       PointMasses body(2, table.number(row, "m kg"));
       body.add_spring(0, 1, Vec3::UnitX(), k);
       body.prescribe(1, Vec3(V, 0, 0));
-      SmallWorld world({&body}, h);
+      SmallWorld world({&body}, {.dt = h});
       const suturing::PathFrictionLaw::Params p{
           .static_level = Fs, .kinetic = Fk, .stick_slip = 1e-6 * h};
       std::vector<Real> starts;
@@ -160,11 +160,11 @@ TEST(StickSlip, PeriodAndForcesOfADraggedMass) {
                                                       std::abs(slip) > p.stick_slip
                                                           ? suturing::PathFrictionLaw::slip
                                                           : suturing::PathFrictionLaw::stick);
-          world.couple(id, body, 0, Vec3(1, 0, 0).transpose());
+          world.couple(builder, id, body, 0, Vec3(1, 0, 0).transpose());
         });
-        slip = SolvedBlocks(world.problem).delta(id)[0];
+        slip = SolvedBlocks(world.problem()).delta(id)[0];
         const bool now = std::abs(slip) > p.stick_slip;
-        if (now && !slipping) starts.push_back(world.context.time);
+        if (now && !slipping) starts.push_back(world.time());
         slipping = now;
         const Real spring = k * (body.x[3] - body.x[0]);
         if (!starts.empty()) lowest = std::min(lowest, spring);
@@ -236,7 +236,7 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
       chain.force.segment<3>(0) = -T_in * along[0];
       const Real speed = 1e-3;
       chain.prescribe(n + 1, speed * along.back());
-      SmallWorld world({&chain}, 0.01);
+      SmallWorld world({&chain}, {});
       std::vector<Real> lateral(static_cast<std::size_t>(n), 0.0);
       // The normal force of the step before enters the friction of this one: n points need a few
       // times n steps.
@@ -256,16 +256,16 @@ TEST(PathSliding, TensionAlongAHalfCircleOfPathPoints) {
             rows << across.transpose(), Vec3::UnitZ().transpose();
             hold.push_back(
                 builder.add<Bilateral<2>>(make_key(1, v), {}, Vec2(across.dot(off), off.z())));
-            world.couple(hold.back(), chain, i, rows);
+            world.couple(builder, hold.back(), chain, i, rows);
             // The drag of a chord acts along its two halves; the row is their bisector.
             const Real level = mu * lateral[v - 1] + tau0 * chord * std::cos(turn / 2);
             drag.push_back(builder.add<suturing::PathFrictionLaw>(
                 make_key(2, v), {.static_level = level, .kinetic = level},
                 BlockVector<1>(t.dot(moved)), suturing::PathFrictionLaw::slip));
-            world.couple(drag.back(), chain, i, t.transpose());
+            world.couple(builder, drag.back(), chain, i, t.transpose());
           }
         });
-        const SolvedBlocks solved(world.problem);
+        const SolvedBlocks solved(world.problem());
         for (int i = 0; i < n; ++i)
           lateral[static_cast<std::size_t>(i)] =
               solved.lambda(hold[static_cast<std::size_t>(i)]).norm();
