@@ -85,6 +85,7 @@ class Driver {
 class Simulation;
 class OutputFolder;
 class LawCheck;
+class BestGuess;
 class BetterGuess;
 template <class, std::size_t>
 class StageTimer;
@@ -179,6 +180,7 @@ class Simulation {
   bool leave_saddles();
   Index least_passes() const;
   void forget_passes();
+  void end_with_best_guess(const StepContext& context, Timer& timer);
   void constraint_force(std::size_t body, const GrowingVec& lambda);
   void note_fault(const std::string& path, const std::string& fault);
   void accept(const StepContext& context, bool solved, Timer& timer);
@@ -202,6 +204,7 @@ class Simulation {
   std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
   Real violation_ = 0;                ///< likewise
   std::unique_ptr<BetterGuess> better_guess_;
+  std::unique_ptr<BestGuess> best_guess_;
   std::vector<VecX> motion_;          ///< memory of `detect`
   std::string identity_;              ///< of scene, files and build: what a state must agree with
   GrowingVec lambda_change_;          ///< of the pass (N)

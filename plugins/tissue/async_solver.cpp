@@ -31,13 +31,16 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   last_iterations_ = 0;
 }
 
-void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) {
+void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step,
+                          bool same) {
   assert(plan_ && A.pattern() == pattern_);
   A_ = &A;
-  rotations_.assign(rotations.begin(), rotations.end());
   step_ = step;
-  jacobi_ready_ = false;
-  recent_.matrix_changed();
+  rotations_.assign(rotations.begin(), rotations.end());
+  if (!same) {
+    jacobi_ready_ = false;
+    recent_.matrix_changed();
+  }
   const Index failed = report_.failed_factors, adopted = report_.adopted_at,
               analyses = report_.analyses;
   report_ = {};
@@ -201,6 +204,14 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
     answered_ = x.col(0);
     recent_.add(*A_, fixed_, answered_);
   }
+}
+
+/// The factor turned to now is symmetric and positive definite, and so is what is made of it.
+void AsyncSolver::solve_as_compliance(Eigen::Ref<MatX> columns) {
+  if (!current_) return solve(columns);
+  clear_fixed(fixed_, columns);
+  warped_.apply(columns);
+  clear_fixed(fixed_, columns);
 }
 
 NodeCompliance AsyncSolver::compliance() const {

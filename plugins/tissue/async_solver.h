@@ -48,9 +48,11 @@ class AsyncSolver : public TissueSolver {
   void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                std::span<const Index> candidates) override;
   bool wants_rotations() const override { return true; }
-  void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
+  void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step,
+               bool same = false) override;
   void renew() override { renew_ = true; }
   void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
+  void solve_as_compliance(Eigen::Ref<MatX> columns) override;
   Index nodes() const override { return pattern_->nodes(); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];

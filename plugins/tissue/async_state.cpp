@@ -77,6 +77,7 @@ void AsyncSolver::archive(Archive& a) {
     each("snapshot", adoption.snapshot);
   });
   if (!a.restoring()) return;
+  jacobi_ready_ = false;
   worker_.reset();
   current_.reset();
   spare_.reset();

@@ -31,7 +31,7 @@ void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vect
         block.col(static_cast<Index>(j)).segment<3>(3 * rows.node[at(e)]) +=
             Eigen::Map<const Vec3>(&rows.value[at(3 * e)]);
     }
-    solver.solve(block);
+    solver.solve_as_compliance(block);
     for (std::size_t j = 0; j < count; ++j) {
       const Index r = outside[first + j];
       for (Index i = 0; i < rows.size(); ++i) {

@@ -27,7 +27,7 @@ void SynchronousSolver::adopt_plan() {
     number_[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
 }
 
-void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Index step) {
+void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Index step, bool same) {
   assert(factor_);
   A_ = &A;
   step_ = step;
@@ -37,14 +37,18 @@ void SynchronousSolver::prepare(const NodeMatrix& A, std::span<const Mat3>, Inde
     candidates_.choose(step);
     plan_ = with_candidates(*plan_, candidates_.chosen());
     adopt_plan();
+    same = false;
   }
-  const Index failed = report_.failed_factors;
+  const Index failed = report_.failed_factors, adopted = report_.adopted_at;
   report_ = {};
+  report_.failed_factors = failed;
+  report_.analyses = analyses;
+  report_.adopted_at = adopted;
+  if (same && ok_) return;
   ok_ = factor_->factorise(A);
   has_compliance_ = false;
-  report_.failed_factors = failed + (ok_ ? 0 : 1);
-  report_.analyses = analyses;
-  report_.adopted_at = step;
+  report_.failed_factors += ok_ ? 0 : 1;
+  if (!same) report_.adopted_at = step;
   if (!ok_) report_.complain("the matrix is not positive definite: conjugate gradients instead");
 }
 

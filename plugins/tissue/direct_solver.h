@@ -20,8 +20,10 @@ class SynchronousSolver : public TissueSolver {
   void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                std::span<const Index> candidates) override;
   bool wants_rotations() const override { return false; }
-  void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) override;
+  void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step,
+               bool same = false) override;
   void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
+  void solve_as_compliance(Eigen::Ref<MatX> columns) override { solve(columns); }
   Index nodes() const override { return static_cast<Index>(number_.size()); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];

@@ -46,15 +46,19 @@ class TissueSolver {
   /// False: `prepare` may be given no rotations.
   virtual bool wants_rotations() const = 0;
   /// The matrix of this step (kept by reference until the next call, never written) and the
-  /// rotation of the material around each node, from rest to now: the polar factor of the mean
-  /// deformation gradient of the elements around it, weighted by volume.
-  virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step) = 0;
+  /// rotation of the material around each node, from rest to there: the polar factor of the mean
+  /// deformation gradient of the elements around it, weighted by volume. `same`: the matrix and the
+  /// rotations of the call before, also of one before the state was saved.
+  virtual void prepare(const NodeMatrix& A, std::span<const Mat3> rotations, Index step,
+                       bool same = false) = 0;
   /// The next matrix has little to do with the last one (another length of step): what was made of
   /// older ones is of no use.
   virtual void renew() {}
   /// columns <- A^-1 columns to the tolerance of the solver, or until |b - A x| <= enough; fixed
   /// nodes answer zero.
   virtual void solve(Eigen::Ref<MatX> columns, Real enough = 0) = 0;
+  /// Likewise, as `compliance` has it: with the factor in use.
+  virtual void solve_as_compliance(Eigen::Ref<MatX> columns) = 0;
   virtual Index nodes() const = 0;
   virtual bool is_fixed(Index node) const = 0;
   /// Constraints touch these nodes: their compliance will probably be asked for in the next steps.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "node_rotations.h"
 #include "sutura/archive.h"
@@ -62,11 +63,15 @@ void TissueStep::archive(Archive& a) {
   a("reaction", reaction_);
   a("linearisations", linearisations_);
   a("assembled_for", assembled_for_);  // another length of step renews the factor
-  a("at_work", at_work_);              // how well the first pass has to be solved
+  A_.archive(a);
+  a("linearised_at", linearised_at_);
+  a("at_work", at_work_);  // how well the first pass has to be solved
   if (!a.restoring() || !a.ok()) return;
   const Index size = model_.dofs();
-  if (x_.size() != size || v_.size() != size || reaction_.size() != size)
-    a.fail("the state of another mesh");
+  if (x_.size() != size || v_.size() != size || reaction_.size() != size ||
+      linearised_at_.size() != size)
+    return a.fail("the state of another mesh");
+  if (solver_.wants_rotations()) node_rotations(*model_.mesh, linearised_at_, node_rotations_);
 }
 
 /// The first guess: every node goes on with the velocity that it has.
@@ -83,6 +88,7 @@ void TissueStep::begin(const StepContext& context) {
   model_.held.set_velocities(start_x_, context.dt, v_);
   x_ = start_x_ + context.dt * v_;
   linearisations_ = 0;
+  solver_is_ready_ = false;
   solver_trouble_.clear();
 }
 
@@ -101,6 +107,13 @@ void TissueStep::assemble(Real h, Index step) {
   if (h != assembled_for_) solver_.renew();
   assembled_for_ = h;
   solver_.prepare(A_, node_rotations_, step);
+  solver_is_ready_ = true;
+}
+
+void TissueStep::evaluate_force() {
+  force_.setZero();
+  model_.elastic->add_force(x_, force_);
+  add_outer_forces();
 }
 
 /// Beside the force of the material at x: that of supports and loads.
@@ -127,7 +140,7 @@ Real TissueStep::moved_since_linearised() const {
   return std::sqrt(most);
 }
 
-/// A^-1 of a momentum that is missing, to a thousandth: a pass leaves more than that by being
+/// A^-1 of a momentum that is missing, to three thousandths: a pass leaves more than that by being
 /// linear. Less than 1e-7 of the forces at work is rounding.
 void TissueStep::solve_what_matters(Real dt, VecX& momentum) {
   model_.held.clear_fixed(momentum);
@@ -135,14 +148,20 @@ void TissueStep::solve_what_matters(Real dt, VecX& momentum) {
   if (size <= rounding)
     momentum.setZero();
   else
-    solver_.solve(momentum, std::max(rounding, 1e-3 * size));  // also if it is not finite
+    solver_.solve(momentum, std::max(rounding, 3e-3 * size));  // also if it is not finite
 }
 
 void TissueStep::linearise(const StepContext& context, const VecX& force) {
-  // A turns with the material: as long as nothing has moved by much of an element it may stay.
+  // A turns with the material: as long as nothing has moved by much of an element it may stay, also
+  // from step to step.
   constexpr Real small = 0.02;  // of the mean edge
-  if (linearisations_ == 0 || !(moved_since_linearised() < small * model_.edge_length)) {
+  if (context.dt != assembled_for_ || !(moved_since_linearised() < small * model_.edge_length)) {
     assemble(context.dt, context.step);
+    balance(context);
+  } else if (!solver_is_ready_) {
+    solver_.prepare(A_, node_rotations_, context.step, true);
+    solver_is_ready_ = true;
+    evaluate_force();
     balance(context);
   }
   change_ = missing_ + context.dt * force;
@@ -158,9 +177,7 @@ void TissueStep::correct(const StepContext& context, const VecX& force_change) {
     v_ += answer_;
   }
   x_ = start_x_ + h * v_;
-  force_.setZero();
-  model_.elastic->add_force(x_, force_);
-  add_outer_forces();
+  evaluate_force();
   balance(context);
 }
 
@@ -169,10 +186,8 @@ void TissueStep::move_to(const StepContext& context, const VecX& motion) {
   v_ = motion / context.dt;
   model_.held.set_velocities(start_x_, context.dt, v_);
   x_ = start_x_ + context.dt * v_;
-  force_.setZero();
-  model_.elastic->add_force(x_, force_);
-  add_outer_forces();
-  if (linearisations_ > 0) balance(context);
+  evaluate_force();
+  if (solver_is_ready_) balance(context);
 }
 
 Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
@@ -207,6 +222,9 @@ void TissueStep::end(const StepContext& context, const VecX& force) {
       reaction_.segment<3>(3 * i) =
           -missing_.segment<3>(3 * i) / context.dt - force.segment<3>(3 * i);
   model_.held.add_force(x_, reaction_);
+  // What could not be solved with this matrix is linearised anew in the next step.
+  if (!solver_.report().converged)
+    linearised_at_.setConstant(std::numeric_limits<Real>::quiet_NaN());
   in_step_ = false;
 }
 

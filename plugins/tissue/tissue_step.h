@@ -54,6 +54,7 @@ class TissueStep {
 
  private:
   void assemble(Real dt, Index step);
+  void evaluate_force();
   void add_outer_forces();
   void balance(const StepContext& context);
   void solve_what_matters(Real dt, VecX& momentum);
@@ -74,10 +75,11 @@ class TissueStep {
   Real at_work_ = 0;  ///< size of the forces there, when last measured (N)
 
   NodeMatrix A_;
-  VecX linearised_at_;          ///< positions at which A was made
-  Real assembled_for_ = 0;      ///< and the length of the step (s)
-  Index linearisations_ = 0;    ///< in this step
-  std::string solver_trouble_;  ///< in all of them but the last, which the solver still knows
+  VecX linearised_at_;            ///< positions at which A was made
+  bool solver_is_ready_ = false;  ///< for this step
+  Real assembled_for_ = 0;        ///< and the length of the step (s)
+  Index linearisations_ = 0;      ///< in this step
+  std::string solver_trouble_;    ///< in all of them but the last, which the solver still knows
   VecX reaction_;
 
   VecX answer_;  ///< memory of `correct`

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "base/floating_point.h"
+#include "runtime/best_guess.h"
 #include "runtime/better_guess.h"
 #include "runtime/failure.h"
 #include "runtime/gauss_seidel_component.h"
@@ -132,6 +133,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();
   s->better_guess_ = std::make_unique<BetterGuess>(s->bodies_);
+  s->best_guess_ = std::make_unique<BestGuess>(s->bodies_);
   s->output_directory_ = output_directory;
   s->written_files_ = written_files(setup);
   return s;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/stage_timer.h"
+#include "runtime/best_guess.h"
 #include "runtime/better_guess.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
@@ -43,6 +44,15 @@ void Simulation::forget_passes() {
 void Simulation::constraint_force(std::size_t body, const GrowingVec& lambda) {
   body_force_[body].setZero(bodies_[body].body->dofs());
   problem_.bodies[body].add_transposed(lambda, body_force_[body]);
+}
+
+/// What the passes of this step could not balance ends where least was lacking.
+void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
+  if (!best_guess_->go_back(context)) return;
+  build(context, timer);
+  const GrowingVec& lambda = best_guess_->lambda();
+  if (lambda.size() == problem_.rows()) problem_.lambda = lambda;
+  measure(context);
 }
 
 /// What may touch at the present guess. Where a source finds the way to it barred, the guess goes

@@ -5,6 +5,7 @@
 
 #include "base/floating_point.h"
 #include "base/stage_timer.h"
+#include "runtime/best_guess.h"
 #include "runtime/better_guess.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
@@ -62,6 +63,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   build(context, timer);
 
   forget_passes();
+  best_guess_->forget();
   const Index least = least_passes();
   Index most = std::max(least, scene_->limits.passes);
   Index saddles = 0;
@@ -73,7 +75,8 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     build(context, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
-    if (!std::isfinite(violation_)) return false;
+    if (!std::isfinite(violation_)) break;
+    best_guess_->look(imbalance_, problem_.lambda);
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
@@ -89,10 +92,11 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     if (fired > 0) continue;
     if (!leave_saddles()) return true;
     constexpr Index most_saddles = 4;
-    if (++saddles > most_saddles) return false;
+    if (++saddles > most_saddles) break;
     most += scene_->limits.passes;
     build(context, timer);
   }
+  end_with_best_guess(context, timer);
   return false;
 }
 

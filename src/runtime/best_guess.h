@@ -1,0 +1,35 @@
+// The end of a step that cannot be solved: of all its guesses the one that lacks least.
+//
+// Passes that do not converge can lead anywhere, and the last of them is often the worst. What
+// lacks is compared in newtons: beside the forces at work, as the tolerance has it, a guess that
+// tears a thread to pieces lacks no more than any other.
+#pragma once
+
+#include <vector>
+
+#include "sutura/simulation.h"
+
+namespace sutura {
+
+class BestGuess {
+ public:
+  using Bodies = std::vector<Simulation::NamedBody>;
+  /// Makes room for their motions, so that nothing is allocated in a step.
+  explicit BestGuess(const Bodies& bodies);
+  /// A new step.
+  void forget() { least_ = -1; }
+  /// The present guess, with what its balance lacks per body.
+  void look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda);
+  /// Moves the bodies to the best guess that was finite. False if there was none.
+  bool go_back(const StepContext& context) const;
+  /// The forces of the constraints there.
+  const GrowingVec& lambda() const { return lambda_; }
+
+ private:
+  const Bodies& bodies_;
+  Real least_ = -1;           ///< N; negative: no guess yet
+  std::vector<VecX> motion_;  ///< per body, m and rad
+  GrowingVec lambda_;
+};
+
+}  // namespace sutura
