@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "node_rotations.h"
 #include "sutura/archive.h"
@@ -65,6 +64,7 @@ void TissueStep::archive(Archive& a) {
   a("assembled_for", assembled_for_);  // another length of step renews the factor
   A_.archive(a);
   a("linearised_at", linearised_at_);
+  a("outdated", outdated_);
   a("at_work", at_work_);  // how well the first pass has to be solved
   if (!a.restoring() || !a.ok()) return;
   const Index size = model_.dofs();
@@ -101,6 +101,7 @@ void TissueStep::assemble(Real h, Index step) {
   add_outer_forces();
   A_.add_diagonal(model_.mass, 1 + h * model_.damping_mass);
   linearised_at_ = x_;
+  outdated_ = false;
   if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_.report().message;
   ++linearisations_;
   if (solver_.wants_rotations()) node_rotations(*model_.mesh, x_, node_rotations_);
@@ -140,31 +141,40 @@ Real TissueStep::moved_since_linearised() const {
   return std::sqrt(most);
 }
 
-/// A^-1 of a momentum that is missing, to three thousandths: a pass leaves more than that by being
-/// linear. Less than 1e-7 of the forces at work is rounding.
+/// Momentum below which nothing can be told from rounding.
+Real TissueStep::rounding_of(Real dt) const {
+  return 1e-7 * dt * at_work_;
+}
+
+/// A^-1 of a momentum that is missing, to a thousandth: a pass leaves more than that by being
+/// linear.
 void TissueStep::solve_what_matters(Real dt, VecX& momentum) {
   model_.held.clear_fixed(momentum);
-  const Real size = momentum.norm(), rounding = 1e-7 * dt * at_work_;
+  const Real size = momentum.norm(), rounding = rounding_of(dt);
   if (size <= rounding)
     momentum.setZero();
   else
-    solver_.solve(momentum, std::max(rounding, 3e-3 * size));  // also if it is not finite
+    solver_.solve(momentum, std::max(rounding, 1e-3 * size));  // also if it is not finite
 }
 
 void TissueStep::linearise(const StepContext& context, const VecX& force) {
-  // A turns with the material: as long as nothing has moved by much of an element it may stay, also
-  // from step to step.
-  constexpr Real small = 0.02;  // of the mean edge
-  if (context.dt != assembled_for_ || !(moved_since_linearised() < small * model_.edge_length)) {
+  // A turns with the material: as long as nothing has moved by much of an element it may stay, and
+  // from step to step as long as it answers well.
+  constexpr Real small = 0.02;           // of the mean edge
+  const bool first = !solver_is_ready_;  // in this step
+  if (context.dt != assembled_for_ || (first && outdated_) ||
+      moved_since_linearised() >= small * model_.edge_length) {
     assemble(context.dt, context.step);
     balance(context);
-  } else if (!solver_is_ready_) {
+  } else if (first) {
     solver_.prepare(A_, node_rotations_, context.step, true);
     solver_is_ready_ = true;
     evaluate_force();
     balance(context);
   }
   change_ = missing_ + context.dt * force;
+  model_.held.clear_fixed(change_);
+  asked_ = change_.norm();
   solve_what_matters(context.dt, change_);
 }
 
@@ -173,6 +183,7 @@ void TissueStep::correct(const StepContext& context, const VecX& force_change) {
   v_ += change_;
   if (!force_change.isZero(0)) {
     answer_ = h * force_change;
+    asked_ += answer_.norm();
     solve_what_matters(h, answer_);
     v_ += answer_;
   }
@@ -212,6 +223,9 @@ Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
   const Real rounding = 1e-9 * model_.young * model_.edge_length * model_.edge_length;
   at_work_ = std::sqrt(std::max({pushed, weight, inertia, reaction})) + rounding;
   worst.relative = std::sqrt(missing) / at_work_;
+  // A matrix that leaves more than this part of what it was asked for has become too old.
+  const Real left = h * std::sqrt(missing);
+  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.03 * asked_);
   return worst;
 }
 
@@ -222,9 +236,7 @@ void TissueStep::end(const StepContext& context, const VecX& force) {
       reaction_.segment<3>(3 * i) =
           -missing_.segment<3>(3 * i) / context.dt - force.segment<3>(3 * i);
   model_.held.add_force(x_, reaction_);
-  // What could not be solved with this matrix is linearised anew in the next step.
-  if (!solver_.report().converged)
-    linearised_at_.setConstant(std::numeric_limits<Real>::quiet_NaN());
+  outdated_ = outdated_ || !solver_.report().converged;
   in_step_ = false;
 }
 

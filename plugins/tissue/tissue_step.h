@@ -59,6 +59,7 @@ class TissueStep {
   void balance(const StepContext& context);
   void solve_what_matters(Real dt, VecX& momentum);
   Real moved_since_linearised() const;
+  Real rounding_of(Real dt) const;
 
   TissueModel& model_;
   TissueSolver& solver_;
@@ -77,6 +78,8 @@ class TissueStep {
   NodeMatrix A_;
   VecX linearised_at_;            ///< positions at which A was made
   bool solver_is_ready_ = false;  ///< for this step
+  Real asked_ = 0;                ///< of A by this pass (N s)
+  bool outdated_ = false;         ///< A has not answered well since it was made
   Real assembled_for_ = 0;        ///< and the length of the step (s)
   Index linearisations_ = 0;      ///< in this step
   std::string solver_trouble_;    ///< in all of them but the last, which the solver still knows

@@ -124,7 +124,7 @@ TEST(ContactProblems, CoulombByGaussSeidel) {
         // The state of a contact at the edge of its cone is stick or slip by rounding: case 2 is
         // built so.
         if (j["name"] != "one contact W=I q=(-1,0.3,0) mu=0.3") {
-          EXPECT_EQ(states, j["state"]) << j["name"];
+          EXPECT_EQ(states, j["state"].get<std::string>()) << j["name"];
         }
       }
     }
