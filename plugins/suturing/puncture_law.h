@@ -7,8 +7,8 @@
 //   pressing:    0 <= g  _|_  lambda_n >= 0   while lambda_n < fp;   g <= 0 at lambda_n = fp
 //                with g = n.delta + c lambda_n, c the compliance of the contact
 //                Coulomb with mu in the tangent plane, |lambda_t| <= mu lambda_n
-//   event:       lambda_n = fp and g < 0: the surface gives way; irreversible, fired by the
-//                solver on converged forces only
+//   event:       lambda_n = fp and g < 0: the surface gives way, for good; fires once the end of
+//                the step has been measured
 //   penetrated:  across t: delta = 0 (the hole holds the shaft)
 //                along t: lambda = -r t, 0 <= r <= fc + k a: the upper limit while the tip is ahead
 //                of the surface point by a = t.delta > 0, 0 while it is behind. k (N/m) is the

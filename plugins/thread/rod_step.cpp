@@ -77,14 +77,17 @@ bool RodStep::linearise(const Rod& rod, const Dofs& force) {
 }
 
 void RodStep::correct(Rod& rod, const Dofs& force_change) {
-  const Real dt = start_.dt;
   guess_.force.at += force_change;
-  guess_.force.hold(rod);
   answer_ = force_change;
   for (const Index node : rod.clamped()) answer_.segment<6>(6 * node).setZero();
   matrix_.solve(Eigen::Ref<VecX>(answer_));
-  change_ += dt * answer_;
-  answer_ = dt * change_;
+  change_ += start_.dt * answer_;
+  take_change(rod);
+}
+
+void RodStep::take_change(Rod& rod) {
+  guess_.force.hold(rod);
+  answer_ = start_.dt * change_;
   const Real turn = largest_turn(rod.poses(), answer_);
   Real part = std::min(1., turn_limit / turn);
   way_.aim(rod, guess_, answer_);
@@ -142,8 +145,7 @@ Index RodStep::advance(Rod& rod, Real dt, const Vec3& gravity, const Dofs& force
   begin(rod, dt, gravity);
   Index passes = 0;
   while (passes < most && linearise(rod, force)) {
-    answer_.setZero();
-    correct(rod, answer_);
+    take_change(rod);
     ++passes;
     if (!(imbalance(rod, force).relative > tolerance)) break;
   }

@@ -1,10 +1,10 @@
 // One implicit Euler step of a rod, solved in passes. The passes are the caller's (step.cpp of the
 // runtime).
 //
-// At a guess of the end of the step (rod_guess.h) with momentum r missing, a pass solves A dv = r
+// A guess of the end of the step (rod_guess.h) lacks the momentum r. A pass solves A dv = r
 // (rod_tangent.h) and goes on by the answer (rod_way.h), as far as the potential falls
-// (rod_potential.h). A is exact where it is positive definite so, and convex elsewhere. The rod
-// stands at the guess all the time; `end` leaves it there.
+// (rod_potential.h). A has the exact Hessian where that leaves it positive definite, and its convex
+// part elsewhere. All the time the rod is where the guess has it; `end` leaves it there.
 #pragma once
 
 #include "block_tridiagonal.h"
@@ -58,6 +58,7 @@ class RodStep {
   const BlockTridiagonal& matrix() const { return matrix_; }
 
  private:
+  void take_change(Rod& rod);
   bool buckles(const Rod& rod);
 
   /// Forces below this share of the largest in the rod are taken for rounding where nothing else is

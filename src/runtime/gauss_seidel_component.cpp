@@ -12,19 +12,14 @@ namespace sutura {
 void GaussSeidel::describe(Describe<GaussSeidel>& d) {
   d.summary(
       "Solves the constraints of a step: block Gauss-Seidel, warm-started, with a direct step over "
-      "the rows whose state "
-      "is settled. The default solver of a scene that names none.");
+      "all forces that may change. The default solver of a scene that names none.");
   d.theory(
       "delta = W lambda + d_free and one law per block. The law residual is the largest change "
-      "that any law still asks "
-      "for, in units of its block (0.1 N and 0.1 mm unless the source says otherwise). "
-      "Irreversible events (a puncture, "
-      "a break-away) fire only on converged forces, all at once, and the solve goes on. See "
-      "docs/theory/solver.md.");
+      "that any law still asks for, in units of its block (0.1 N and 0.1 mm unless the source says "
+      "otherwise). Events (a puncture, a break-away) wait until the end of the step has been "
+      "measured. See docs/theory/solver.md.");
   d.attribute("tolerance", &GaussSeidel::tolerance_, "1",
-              {.low = 0, .high = 1e-3, .low_open = true},
-              "Law residual at which the solve stops; at most 1e-3, where events would fire on "
-              "transient forces.");
+              {.low = 0, .high = 1e-3, .low_open = true}, "Law residual at which the solve stops.");
   d.attribute("sweeps", &GaussSeidel::sweeps_, between(1, 1000000),
               "Budget: sweeps over all blocks in one solve.");
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");
