@@ -133,7 +133,7 @@ kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void sweep_in_one_grou
 
 // A panel is PANEL blocks that follow each other in the order. Group 0 applies the changes of the
 // panel before to the blocks of this one, and then sweeps these as above; the other groups apply
-// them to all blocks besides. So a sweep takes one launch per panel. SHARE items work together on
+// them to all blocks besides that were in neither. So a sweep takes one launch per panel. SHARE items work together on
 // each block: each applies its part of the changes.
 //
 // `first`: position of the panel in `orders`, `before` that of the one before; their sizes may be 0.
@@ -146,10 +146,11 @@ kernel __attribute__((reqd_work_group_size(PANEL* SHARE, 1, 1))) void sweep_pane
     global real* delta, global uchar* modes) {
   const int item = get_local_id(0), here = item % PANEL, part = item / PANEL;
   const int group = get_group_id(0);
-  local int panel[PANEL];
+  local int panel[PANEL], panel_before[PANEL];
   local real change[PANEL][D], sums[SHARE][D][PANEL], passed[2][D];
   global const real* old = changes + (1 - parity) * PANEL * D;
   if (item < size) panel[item] = orders[first + item];
+  if (item < size_before) panel_before[item] = orders[before + item];
   for (int e = item; e < size_before * D; e += PANEL * SHARE) change[e / D][e % D] = old[e];
   barrier(CLK_LOCAL_MEM_FENCE);
 
@@ -159,9 +160,12 @@ kernel __attribute__((reqd_work_group_size(PANEL* SHARE, 1, 1))) void sweep_pane
     if (panel[k] == b) b = -1;  // group 0 has it
   real sum[D];
   for (int i = 0; i < D; ++i) sum[i] = 0;
-  if (b >= 0)
+  bool lacks = b >= 0;  // the blocks of the panel before know these changes already
+  for (int k = 0; k < size_before; ++k)
+    if (panel_before[k] == b) lacks = false;
+  if (lacks)
     for (int k = part; k < size_before; k += SHARE) {
-      const int from = orders[before + k];
+      const int from = panel_before[k];
       for (int i = 0; i < D; ++i)
         for (int j = 0; j < D; ++j)
           sum[i] += (real)W[entry(from, i, j, b, stride)] * change[k][j];
@@ -174,16 +178,19 @@ kernel __attribute__((reqd_work_group_size(PANEL* SHARE, 1, 1))) void sweep_pane
       for (int q = 1; q < SHARE; ++q) sum[i] += sums[q][i][here];
       delta[i * stride + b] += sum[i];
     }
-  if (group > 0 || size == 0) return;
 
+  // The other groups have nothing more to do.
+  const int rounds = group > 0 ? 0 : size;
   Block x;
   store now[D * D], next[D * D];
   const int own = holds ? b : panel[0];
-  read_block(&x, own, stride, diagonal, inverses, laws, first_parameter, lambda, delta, modes);
-  read_column(now, W, panel[0], own, stride);
-  read_column(next, W, panel[size > 1 ? 1 : 0], own, stride);
-  if (item == 0) visit(&x, parameters, passed[0]);
-  for (int k = 0; k < size; ++k) {
+  if (rounds > 0) {
+    read_block(&x, own, stride, diagonal, inverses, laws, first_parameter, lambda, delta, modes);
+    read_column(now, W, panel[0], own, stride);
+    read_column(next, W, panel[size > 1 ? 1 : 0], own, stride);
+    if (item == 0) visit(&x, parameters, passed[0]);
+  }
+  for (int k = 0; k < rounds; ++k) {
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < D) changes[(parity * PANEL + k) * D + item] = passed[k & 1][item];
     add_change(&x, now, passed[k & 1]);
@@ -191,5 +198,5 @@ kernel __attribute__((reqd_work_group_size(PANEL* SHARE, 1, 1))) void sweep_pane
     read_column(next, W, panel[k + 2 < size ? k + 2 : 0], own, stride);
     if (item == k + 1 && item < size) visit(&x, parameters, passed[(k + 1) & 1]);
   }
-  if (holds) write_block(&x, b, stride, lambda, delta, modes);
+  if (rounds > 0 && holds) write_block(&x, b, stride, lambda, delta, modes);
 }
