@@ -205,15 +205,15 @@ void Buffer::reserve(std::size_t bytes) {
 void Buffer::write(const void* data, std::size_t bytes) {
   reserve(std::max(bytes, std::size_t{16}));
   if (bytes == 0) return;
-  device_->check(clEnqueueWriteBuffer(device_->queue(), memory_, CL_TRUE, 0, bytes, data, 0,
+  device_->check(clEnqueueWriteBuffer(device_->queue(), memory_, CL_FALSE, 0, bytes, data, 0,
                                       nullptr, nullptr),
                  "writing to its memory");
 }
 
-void Buffer::read(void* data, std::size_t bytes) const {
+void Buffer::read(void* data, std::size_t bytes, bool wait) const {
   if (bytes == 0) return;
-  device_->check(clEnqueueReadBuffer(device_->queue(), memory_, CL_TRUE, 0, bytes, data, 0,
-                                     nullptr, nullptr),
+  device_->check(clEnqueueReadBuffer(device_->queue(), memory_, wait ? CL_TRUE : CL_FALSE, 0, bytes,
+                                     data, 0, nullptr, nullptr),
                  "reading from its memory");
 }
 

@@ -63,16 +63,18 @@ class Buffer {
   ~Buffer();
   /// At least that many bytes; what was in it is gone if it grows.
   void reserve(std::size_t bytes);
-  /// Waits until `data` may be changed again.
+  /// `data` must stay as it is until something is read.
   void write(const void* data, std::size_t bytes);
-  void read(void* data, std::size_t bytes) const;
+  /// Waits until that and everything that was asked of the device before is done; without `wait`,
+  /// the next one that waits does.
+  void read(void* data, std::size_t bytes, bool wait = true) const;
   template <class T>
   void write(const std::vector<T>& data) {
     write(data.data(), data.size() * sizeof(T));
   }
   template <class T>
-  void read(std::vector<T>& data) const {
-    read(data.data(), data.size() * sizeof(T));
+  void read(std::vector<T>& data, bool wait = true) const {
+    read(data.data(), data.size() * sizeof(T), wait);
   }
   cl_mem get() const { return memory_; }
 

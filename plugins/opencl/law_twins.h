@@ -16,6 +16,7 @@ struct LawTwin {
   int dim;
   int reals, flags;  ///< Params are so many Real, then so many bool
   std::size_t size;  ///< of Params
+  static constexpr int most_parameters = 16;
   int parameters() const { return reals + flags; }
 };
 

@@ -105,7 +105,8 @@ kernel __attribute__((reqd_work_group_size(LANES, 1, 1))) void sweep_in_one_grou
     global const real* restrict diagonal, global const real* restrict inverses,
     global const int* restrict laws, global const int* restrict first_parameter,
     global const real* restrict parameters, global const uint* restrict orders,
-    global real* lambda, global real* delta, global uchar* modes) {
+    global real* lambda, global uchar* modes) {
+  global real* delta = lambda + D * stride;
   const int b = get_local_id(0);
   local real change[2][D];
   local int order[LANES + 2];
@@ -143,7 +144,8 @@ kernel __attribute__((reqd_work_group_size(PANEL* SHARE, 1, 1))) void sweep_pane
     global const real* restrict inverses, global const int* restrict laws,
     global const int* restrict first_parameter, global const real* restrict parameters,
     global const uint* restrict orders, global real* changes, global real* lambda,
-    global real* delta, global uchar* modes) {
+    global uchar* modes) {
+  global real* delta = lambda + D * stride;
   const int item = get_local_id(0), here = item % PANEL, part = item / PANEL;
   const int group = get_group_id(0);
   local int panel[PANEL], panel_before[PANEL];

@@ -54,8 +54,7 @@ Sweeps::Sweeps(const Device& device, Precision precision, Index in_one_group)
       parameters_(device),
       orders_(device),
       changes_(device),
-      lambda_(device),
-      delta_(device),
+      state_(device),
       modes_(device) {}
 
 Sweeps::~Sweeps() = default;
@@ -115,30 +114,31 @@ std::string Sweeps::load(const ConstraintProblem& problem) {
 }
 
 template <class T>
-std::vector<T>& Sweeps::numbers() {
+Sweeps::Numbers<T>& Sweeps::numbers() {
   if constexpr (std::is_same_v<T, double>)
-    return host_double_;
+    return double_;
   else
-    return host_float_;
+    return float_;
 }
 
 template <class T>
 void Sweeps::load_numbers(const ConstraintProblem& problem) {
-  std::vector<T>& host = numbers<T>();
+  Numbers<T>& host = numbers<T>();
   if constexpr (std::is_same_v<T, double>) {
     raw_.write(problem.W.data(), sizeof(T) * static_cast<std::size_t>(problem.W.size()));
   } else {
-    host.assign(problem.W.data(), problem.W.data() + problem.W.size());
-    raw_.write(host);
+    host.W.assign(problem.W.data(), problem.W.data() + problem.W.size());
+    raw_.write(host.W);
   }
-  host.clear();
+  host.parameters.clear();
   for (const ConstraintBlock& b : problem.blocks) {
     const LawTwin& twin = *find_twin(*b.law);
-    Real numbers[32];
-    read_parameters(twin, problem.block_params(b), numbers);
-    host.insert(host.end(), numbers, numbers + twin.parameters());
+    Real values[LawTwin::most_parameters];
+    read_parameters(twin, problem.block_params(b), values);
+    for (int i = 0; i < twin.parameters(); ++i)
+      host.parameters.push_back(static_cast<T>(values[i]));
   }
-  parameters_.write(host);
+  parameters_.write(host.parameters);
 }
 
 void Sweeps::send(const ConstraintProblem& problem, std::span<const std::uint32_t> orders) {
@@ -154,16 +154,18 @@ void Sweeps::send(const ConstraintProblem& problem, std::span<const std::uint32_
 
 template <class T>
 void Sweeps::send_numbers(const ConstraintProblem& problem) {
-  std::vector<T>& host = numbers<T>();
-  for (const bool delta : {false, true}) {
-    const GrowingVec& from = delta ? problem.delta : problem.lambda;
-    host.assign(static_cast<std::size_t>(dim_ * stride_), T(0));
-    for (std::size_t i = 0; i < problem.blocks.size(); ++i)
-      for (int k = 0; k < problem.blocks[i].law->dim; ++k)
-        host[static_cast<std::size_t>(k * stride_) + i] =
-            static_cast<T>(from[problem.blocks[i].first_row + k]);
-    (delta ? delta_ : lambda_).write(host);
+  std::vector<T>& state = numbers<T>().state;
+  const auto stride = static_cast<std::size_t>(stride_), dim = static_cast<std::size_t>(dim_);
+  state.assign(2 * dim * stride, T(0));
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    const ConstraintBlock& b = problem.blocks[i];
+    for (int k = 0; k < b.law->dim; ++k) {
+      const std::size_t at = static_cast<std::size_t>(k) * stride + i;
+      state[at] = static_cast<T>(problem.lambda[b.first_row + k]);
+      state[dim * stride + at] = static_cast<T>(problem.delta[b.first_row + k]);
+    }
   }
+  state_.write(state);
 }
 
 void Sweeps::run(int sweeps) {
@@ -171,7 +173,7 @@ void Sweeps::run(int sweeps) {
   if (blocks_ <= in_one_group_) {
     const auto lanes = static_cast<std::size_t>(p.lanes);
     p.in_one_group(lanes, lanes, blocks_, stride_, sweeps, W_, diagonal_, inverses_, laws_,
-                   first_parameter_, parameters_, orders_, lambda_, delta_, modes_);
+                   first_parameter_, parameters_, orders_, state_, modes_);
     return;
   }
   const std::size_t group = panel * share;
@@ -183,7 +185,7 @@ void Sweeps::run(int sweeps) {
     const int size = std::min({panel, blocks_ - first % blocks_, end - first});
     p.in_panels(groups * group, group, blocks_, stride_, first, size, before, size_before, parity,
                 W_, diagonal_, inverses_, laws_, first_parameter_, parameters_, orders_, changes_,
-                lambda_, delta_, modes_);
+                state_, modes_);
     if (size == 0) break;
     before = first;
     size_before = size;
@@ -201,21 +203,18 @@ void Sweeps::receive(ConstraintProblem& problem) {
 
 template <class T>
 void Sweeps::receive_numbers(ConstraintProblem& problem) {
-  std::vector<T>& host = numbers<T>();
-  // All first, so that a device that fails in between leaves the problem as it was.
-  const auto padded = static_cast<std::size_t>(dim_ * stride_);
-  host.resize(2 * padded);
-  lambda_.read(host.data(), padded * sizeof(T));
-  delta_.read(host.data() + padded, padded * sizeof(T));
-  host_modes_.resize(static_cast<std::size_t>(stride_));
+  // Nothing of the problem is touched before all is here.
+  std::vector<T>& state = numbers<T>().state;
+  state_.read(state, false);
   modes_.read(host_modes_);
+  const auto stride = static_cast<std::size_t>(stride_), dim = static_cast<std::size_t>(dim_);
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     ConstraintBlock& b = problem.blocks[i];
     b.mode = host_modes_[i];
     for (int k = 0; k < b.law->dim; ++k) {
-      const std::size_t at = static_cast<std::size_t>(k * stride_) + i;
-      problem.lambda[b.first_row + k] = host[at];
-      problem.delta[b.first_row + k] = host[padded + at];
+      const std::size_t at = static_cast<std::size_t>(k) * stride + i;
+      problem.lambda[b.first_row + k] = state[at];
+      problem.delta[b.first_row + k] = state[dim * stride + at];
     }
   }
 }

@@ -31,8 +31,14 @@ class Sweeps {
  private:
   struct Program;
   Program& program();
+  /// What is sent and received as numbers of the precision of sums; it has to stay until the
+  /// device has answered.
   template <class T>
-  std::vector<T>& numbers();
+  struct Numbers {
+    std::vector<T> W, parameters, state;
+  };
+  template <class T>
+  Numbers<T>& numbers();
   template <class T>
   void load_numbers(const ConstraintProblem& problem);
   template <class T>
@@ -47,11 +53,11 @@ class Sweeps {
   std::vector<std::unique_ptr<Program>> programs_;
 
   Buffer raw_, W_, diagonal_, inverses_, laws_, dims_, first_row_, first_parameter_, parameters_,
-      orders_, changes_, lambda_, delta_, modes_;
+      orders_, changes_, state_, modes_;
   std::vector<cl_int> host_laws_, host_dims_, host_first_row_, host_first_parameter_;
   std::vector<cl_uchar> host_modes_;
-  std::vector<double> host_double_;
-  std::vector<float> host_float_;
+  Numbers<double> double_;
+  Numbers<float> float_;
 };
 
 }  // namespace sutura::opencl

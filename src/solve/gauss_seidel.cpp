@@ -35,11 +35,12 @@ void BlockGaussSeidel::sweep(ConstraintProblem& problem) {
 
 /// The same sweeps in the same order on the device. Returns how many; 0 if the device does not
 /// answer, and the CPU goes on from where the problem stands.
-Index BlockGaussSeidel::sweep_on_device(ConstraintProblem& problem, Index most) {
-  // A direct step is weighed after every sweep; without one, fewer looks at the residual.
+Index BlockGaussSeidel::sweep_on_device(ConstraintProblem& problem, Real residual, Index most) {
+  // A direct step is weighed after every sweep, and events may be due once the residual is small.
+  // Otherwise it need not be looked at so often.
   constexpr Index at_once = 8;
-  const Index count =
-      options_.acceleration == Acceleration::none ? std::min(at_once, most) : Index{1};
+  const bool looks = options_.acceleration != Acceleration::none || residual <= event_gate;
+  const Index count = looks ? Index{1} : std::min(at_once, most);
   orders_.clear();
   for (Index s = 0; s < count; ++s) {
     shuffle();
@@ -115,7 +116,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     const Real before = residual.value;
     if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
     Index swept = 0;
-    if (on_device_) swept = sweep_on_device(problem, options_.sweeps - report.sweeps);
+    if (on_device_) swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
     if (swept == 0) {
       sweep(problem);
       swept = 1;

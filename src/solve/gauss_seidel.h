@@ -40,7 +40,7 @@ class BlockGaussSeidel {
  private:
   void shuffle();
   void sweep(ConstraintProblem& problem);
-  Index sweep_on_device(ConstraintProblem& problem, Index most);
+  Index sweep_on_device(ConstraintProblem& problem, Real residual, Index most);
   void conjugate(ConstraintProblem& problem);
   bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
 

@@ -113,7 +113,7 @@ TYPED_TEST(Twin, AnswersAsTheLaw) {
     W.insert(W.end(), block.data(), block.data() + n * n);
     for (int k = 0; k < n; ++k) d.push_back(from(random, -1, 1));
     params.push_back(draw(random, static_cast<const L*>(nullptr)));
-    Real numbers[32];
+    Real numbers[LawTwin::most_parameters];
     read_parameters(*twin, &params.back(), numbers);
     p.insert(p.end(), numbers, numbers + twin->parameters());
     modes.push_back(static_cast<cl_uchar>(random() % 2));
