@@ -44,6 +44,7 @@ struct SupernodalFactor {
   Index size = 0;
   std::span<const std::int32_t> first_column, first_row, first_value, row;
   std::span<const Real> value;
+  std::span<const float> rough;  ///< the same numbers in single precision; may be empty
   std::vector<std::int32_t> row_of;  ///< position in L -> row of the full vector
 };
 

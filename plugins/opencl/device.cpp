@@ -217,6 +217,23 @@ void Buffer::read(void* data, std::size_t bytes, bool wait) const {
                  "reading from its memory");
 }
 
+void Buffer::read_later(void* data, std::size_t bytes, Event& read) const {
+  read.forget();
+  device_->check(clEnqueueReadBuffer(device_->queue(), memory_, CL_FALSE, 0, bytes, data, 0,
+                                     nullptr, &read.event_),
+                 "reading from its memory");
+  device_->check(clFlush(device_->queue()), "sending it what to do");
+}
+
+void Event::wait(const Device& device) {
+  if (event_ != nullptr) device.check(clWaitForEvents(1, &event_), "waiting for it");
+}
+
+void Event::forget() {
+  if (event_ != nullptr) clReleaseEvent(event_);
+  event_ = nullptr;
+}
+
 Kernel::Kernel(const Device& device, cl_program program, const char* name)
     : device_(&device), name_(name) {
   cl_int code = CL_SUCCESS;

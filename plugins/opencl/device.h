@@ -68,6 +68,7 @@ class Buffer {
   /// Waits until that and everything that was asked of the device before is done; without `wait`,
   /// the next one that waits does.
   void read(void* data, std::size_t bytes, bool wait = true) const;
+  void read_later(void* data, std::size_t bytes, class Event& read) const;
   template <class T>
   void write(const std::vector<T>& data) {
     write(data.data(), data.size() * sizeof(T));
@@ -82,6 +83,21 @@ class Buffer {
   const Device* device_;
   cl_mem memory_ = nullptr;
   std::size_t bytes_ = 0;
+};
+
+/// That something which was asked of the device is done.
+class Event {
+ public:
+  Event() = default;
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+  ~Event() { forget(); }
+  void wait(const Device& device);
+
+ private:
+  friend class Buffer;
+  void forget();
+  cl_event event_ = nullptr;
 };
 
 class Kernel {

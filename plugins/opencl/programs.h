@@ -5,6 +5,7 @@ namespace sutura::opencl::programs {
 
 extern const char* const laws;
 extern const char* const sweep;
+extern const char* const solves;
 extern const char* const gradients;
 
 }  // namespace sutura::opencl::programs

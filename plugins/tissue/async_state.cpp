@@ -79,6 +79,7 @@ void AsyncSolver::archive(Archive& a) {
   if (!a.restoring()) return;
   jacobi_ready_ = false;
   worker_.reset();
+  device_factor_ = nullptr;
   current_.reset();
   spare_.reset();
   postponed_.reset();
