@@ -159,23 +159,40 @@ void Gradients::precondition(const Buffer& rz) {
 }
 
 template <class T>
-ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const VecX>& b,
-                                                      Eigen::Ref<VecX> x, Real tolerance,
-                                                      Index max_iterations) {
-  const auto rows = static_cast<std::size_t>(3 * nodes_);
-  const auto most = static_cast<int>(max_iterations);
+GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b,
+                                    const Eigen::Ref<const VecX>& x) {
   GradientStatus<T>* status;
   if constexpr (std::is_same_v<T, double>)
     status = double_status_;
   else
     status = float_status_;
   status_.write(&status[2], sizeof(status[2]));
+  const auto rows = static_cast<std::size_t>(3 * nodes_);
   write_as<T>(b_, b.data(), rows);
   write_as<T>(x_, x.data(), rows);
+  program_->start(groups * items, items, nodes_, full_start_, entries_, columns_, values_,
+                  is_fixed_, b_, x_, r_, size2_, residual2_);
+  return status;
+}
+
+void Gradients::begin(const Eigen::Ref<const VecX>& b) {
+  const VecX x = VecX::Zero(b.size());
+  if (has_double_sums(precision_))
+    start<double>(b, x);
+  else
+    start<float>(b, x);
+  device_.finish();
+}
+
+template <class T>
+ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const VecX>& b,
+                                                      Eigen::Ref<VecX> x, Real tolerance,
+                                                      Index max_iterations) {
+  const auto rows = static_cast<std::size_t>(3 * nodes_);
+  const auto most = static_cast<int>(max_iterations);
+  GradientStatus<T>* status = start<T>(b, x);
   Program& p = *program_;
   constexpr std::size_t all = groups * items;
-  p.start(all, items, nodes_, full_start_, entries_, columns_, values_, is_fixed_, b_, x_, r_,
-          size2_, residual2_);
   const auto look = [&](int iteration) {
     p.look(items, items, iteration, static_cast<T>(tolerance), most, size2_, residual2_, status_);
   };

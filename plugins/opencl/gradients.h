@@ -55,7 +55,9 @@ class Gradients {
   void set_turns(std::span<const Mat3> turns);
   ConjugateGradientDevice::Report solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
                                         Real tolerance, Index max_iterations);
-  /// For benchmarks: one product with A, one application of P^-1; enqueued, not waited for.
+  /// For benchmarks, after `begin`: one product with A, one application of P^-1; enqueued, not
+  /// waited for.
+  void begin(const Eigen::Ref<const VecX>& b);
   void product();
   void precondition() { precondition(rz_[0]); }
   const Solves& solves() const { return solves_; }
@@ -67,6 +69,9 @@ class Gradients {
                                              Real tolerance, Index max_iterations);
   template <class T>
   void write_as(Buffer& to, const Real* from, std::size_t count);
+  /// The status: nothing is done yet. r <- b - A x.
+  template <class T>
+  GradientStatus<T>* start(const Eigen::Ref<const VecX>& b, const Eigen::Ref<const VecX>& x);
   void write_reals(Buffer& to, const Real* from, std::size_t count);
   void set_pattern(const NodeMatrixView& A, std::span<const char> fixed);
   /// z <- P^-1 r, rz <- r . z.

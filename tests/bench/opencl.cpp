@@ -1,9 +1,9 @@
 // The kernels of the OpenCL plugin against what the device can do at best, and one CPU core beside
 // them.
 //
-//   sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME]
+//   sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
 
 #include "opencl_bench.h"
 
@@ -73,7 +73,7 @@ Limits measure_limits(const Device& device) {
 int main(int argc, char** argv) {
   using namespace sutura::opencl;
   if (argc < 2) {
-    std::fprintf(stderr, "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME]\n");
+    std::fprintf(stderr, "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]\n");
     return 1;
   }
   try {
@@ -85,7 +85,8 @@ int main(int argc, char** argv) {
     std::printf(
         "launch %.1f us, launch and read %.1f us, barrier of 320 items %.3f us, reading %.0f GB/s\n",
         limits.launch, limits.round_trip, limits.barrier, limits.bandwidth / 1000);
-    const bool done = bench_sweeps(device, limits, out) && bench_gradients(device, limits, out);
+    const bool done = bench_sweeps(device, limits, out) &&
+                      bench_gradients(device, limits, out, argc > 3 ? std::atol(argv[3]) : 60000);
     return done ? 0 : 3;
   } catch (const sutura::DeviceError& e) {
     std::fprintf(stderr, "%s\n", e.what());

@@ -43,6 +43,7 @@ Limits measure_limits(const Device& device);
 /// Sweeps: a table, and sweeps.csv.
 bool bench_sweeps(const Device& device, const Limits& limits, const std::filesystem::path& out);
 /// Conjugate gradients: a table, and gradients.csv.
-bool bench_gradients(const Device& device, const Limits& limits, const std::filesystem::path& out);
+bool bench_gradients(const Device& device, const Limits& limits, const std::filesystem::path& out,
+                     Index most_nodes);
 
 }  // namespace sutura::opencl

@@ -7,7 +7,7 @@
 
 namespace sutura::opencl {
 
-class OnDevice : public testing::Test {
+class OnDevice : public ::testing::Test {
  protected:
   void SetUp() override {
     try {
