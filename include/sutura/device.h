@@ -28,23 +28,23 @@ class SweepDevice {
   /// Throws DeviceError where it must not.
   virtual bool load(const ConstraintProblem& problem) = 0;
   /// One sweep for every blocks.size() entries of `orders`, from lambda, delta and the modes of the
-  /// problem that was loaded; they are left at the result. False or throws as `load`; the problem is
-  /// then as it was.
+  /// problem that was loaded; they are left at the result. False or throws as `load`; the problem
+  /// is then as it was.
   virtual bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) = 0;
   /// Sums are rounded more coarsely than on the CPU: delta is to be made again from lambda.
   virtual bool is_rough() const = 0;
   virtual const std::string& why_not() const = 0;
 };
 
-/// A Cholesky factor L L^T = P A P^T in dense supernodes, as CHOLMOD makes it. Supernode s holds the
-/// columns first_column[s] .. first_column[s + 1] of L; its rows are row[first_row[s]] ..
+/// A Cholesky factor L L^T = P A P^T in dense supernodes, as CHOLMOD makes it. Supernode s holds
+/// the columns first_column[s] .. first_column[s + 1] of L; its rows are row[first_row[s]] ..
 /// row[first_row[s + 1]], of which the first are those columns; its numbers are dense, by columns,
 /// from first_value[s] on.
 struct SupernodalFactor {
   Index size = 0;
   std::span<const std::int32_t> first_column, first_row, first_value, row;
   std::span<const Real> value;
-  std::span<const float> rough;  ///< the same numbers in single precision; may be empty
+  std::span<const float> rough;      ///< the same numbers in single precision; may be empty
   std::vector<std::int32_t> row_of;  ///< position in L -> row of the full vector
 };
 
@@ -55,8 +55,8 @@ struct NodeMatrixView {
   const Real* values = nullptr;  ///< nine per block, by rows
 };
 
-/// Conjugate gradients on a device: A of the step, preconditioned by an older factor turned with the
-/// material, P^-1 = Q (L L^T)^-1 Q^T.
+/// Conjugate gradients on a device: A of the step, preconditioned by an older factor turned with
+/// the material, P^-1 = Q (L L^T)^-1 Q^T.
 class ConjugateGradientDevice {
  public:
   static constexpr const char* interface_name = "ConjugateGradientDevice";
@@ -66,7 +66,8 @@ class ConjugateGradientDevice {
     bool converged = false;
   };
   virtual ~ConjugateGradientDevice() = default;
-  // All of them: false where the CPU shall do it, `why_not` says why; DeviceError where it must not.
+  // All of them: false where the CPU shall do it, `why_not` says why; DeviceError where it must
+  // not.
 
   /// The matrix of the step. `fixed`: per node, nonzero where b is ignored and x zero.
   virtual bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) = 0;

@@ -69,13 +69,12 @@ std::vector<Found> find_devices() {
     if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS) continue;
     std::vector<cl_device_id> ids(count);
     clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr);
-    const std::string where =
-        text_of([&](std::size_t size, void* value, std::size_t* needed) {
-          return clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, value, needed);
-        });
+    const std::string where = text_of([&](std::size_t size, void* value, std::size_t* needed) {
+      return clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, value, needed);
+    });
     for (const cl_device_id id : ids)
-      out.push_back({id, text_of(id, CL_DEVICE_NAME), where,
-                     number_of<cl_device_type>(id, CL_DEVICE_TYPE)});
+      out.push_back(
+          {id, text_of(id, CL_DEVICE_NAME), where, number_of<cl_device_type>(id, CL_DEVICE_TYPE)});
   }
   return out;
 }
@@ -113,10 +112,9 @@ std::string list_devices() {
   for (const Found& f : find_devices()) {
     const auto mebibytes = number_of<cl_ulong>(f.id, CL_DEVICE_GLOBAL_MEM_SIZE) >> 20;
     out += "opencl " + std::string(word(f.type)) + "  \"" + f.name + "\"  " +
-           std::to_string(number_of<cl_uint>(f.id, CL_DEVICE_MAX_COMPUTE_UNITS)) +
-           " units, " + std::to_string(mebibytes) + " MiB, " +
-           (has_double(f.id) ? "double" : "single") + " precision, " +
-           text_of(f.id, CL_DEVICE_VERSION) + " (" + f.platform + ")\n";
+           std::to_string(number_of<cl_uint>(f.id, CL_DEVICE_MAX_COMPUTE_UNITS)) + " units, " +
+           std::to_string(mebibytes) + " MiB, " + (has_double(f.id) ? "double" : "single") +
+           " precision, " + text_of(f.id, CL_DEVICE_VERSION) + " (" + f.platform + ")\n";
   }
   return out.empty() ? std::string(no_device) + "\n" : out;
 }
@@ -131,11 +129,11 @@ Device::Device(const DeviceChoice& choice) {
     std::string there;
     for (const Found& f : all)
       there += (there.empty() ? "" : ", ") + ("\"" + f.name + "\" (" + word(f.type) + ")");
-    throw DeviceError(
-        fitting.empty() ? "no OpenCL device of this name and type; there is " + there
-                        : "index " + std::to_string(choice.index) + ": only " +
-                              std::to_string(fitting.size()) +
-                              " OpenCL devices of this name and type; there is " + there);
+    throw DeviceError(fitting.empty()
+                          ? "no OpenCL device of this name and type; there is " + there
+                          : "index " + std::to_string(choice.index) + ": only " +
+                                std::to_string(fitting.size()) +
+                                " OpenCL devices of this name and type; there is " + there);
   }
   const Found& found = fitting[static_cast<std::size_t>(choice.index)];
   id_ = found.id;
@@ -158,8 +156,9 @@ Device::~Device() {
 void Device::check(cl_int code, const char* what, const std::string& which) const {
   if (lost_) code = CL_DEVICE_NOT_AVAILABLE;
   if (code != CL_SUCCESS)
-    throw DeviceError("OpenCL device \"" + name_ + "\", " + what + (which.empty() ? "" : " " + which) + ": " +
-                      meaning(code) + " (code " + std::to_string(code) + ")");
+    throw DeviceError("OpenCL device \"" + name_ + "\", " + what +
+                      (which.empty() ? "" : " " + which) + ": " + meaning(code) + " (code " +
+                      std::to_string(code) + ")");
 }
 
 void Device::finish() const {
@@ -251,8 +250,8 @@ Kernel::~Kernel() {
 }
 
 void Kernel::set_bytes(cl_uint at, std::size_t size, const void* value) {
-  device_->check(clSetKernelArg(kernel_, at, size, value),
-                 "setting arguments of the kernel", name_);
+  device_->check(clSetKernelArg(kernel_, at, size, value), "setting arguments of the kernel",
+                 name_);
 }
 
 void Kernel::set(cl_uint at, const Buffer& buffer) {

@@ -14,10 +14,10 @@ constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
 
 struct Gradients::Program {
   Program(const Device& device, Precision precision)
-      : program(device.build(definitions(precision) + "typedef float number;\n" +
-                                 programs::solves + programs::gradients,
-                             "-DITEMS=256 -DGROUPS=128 -DMOST_WIDTH=" +
-                                 std::to_string(most_width))),
+      : program(
+            device.build(definitions(precision) + "typedef float number;\n" + programs::solves +
+                             programs::gradients,
+                         "-DITEMS=256 -DGROUPS=128 -DMOST_WIDTH=" + std::to_string(most_width))),
         start(device, program, "start"),
         look(device, program, "look"),
         turn_back(device, program, "turn_back"),
@@ -93,7 +93,7 @@ void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed
     }
   for (std::size_t i = 0; i < n; ++i) start[i + 1] += start[i];
   std::vector<std::int32_t> entries(static_cast<std::size_t>(start[n])), columns = entries,
-                                                                        next = start;
+                                                                         next = start;
   const auto put = [&](std::size_t row, std::int32_t entry, std::size_t column) {
     const auto at = static_cast<std::size_t>(next[row]++);
     entries[at] = entry;
@@ -118,8 +118,8 @@ void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed
 void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
   if (!program_) program_ = std::make_unique<Program>(device_, precision_);
   if (A.nodes != nodes_ || !std::ranges::equal(A.row_start, row_start_) ||
-      !std::ranges::equal(A.column, column_) || !std::equal(fixed.begin(), fixed.end(),
-                                                            fixed_.begin()))
+      !std::ranges::equal(A.column, column_) ||
+      !std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
     set_pattern(A, fixed);
   const std::size_t count = 9 * column_.size();
   if (stores_double(precision_))
@@ -204,8 +204,8 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
   int last = 0;
   for (int k = 1; k <= most; ++k) {
     precondition(rz_[k & 1]);
-    p.direction(all, items, k == 1 ? 1 : 0, static_cast<cl_int>(rows), rz_[k & 1],
-                rz_[(k & 1) ^ 1], z_, p_, status_);
+    p.direction(all, items, k == 1 ? 1 : 0, static_cast<cl_int>(rows), rz_[k & 1], rz_[(k & 1) ^ 1],
+                z_, p_, status_);
     product();
     p.advance(all, items, static_cast<cl_int>(rows), rz_[k & 1], pq_, p_, q_, x_, r_, residual2_,
               status_);
@@ -225,8 +225,8 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
   const GradientStatus<T>& end = status[last & 1];
   ConjugateGradientDevice::Report report;
   report.iterations = end.iterations;
-  report.residual = end.size > 0 ? static_cast<Real>(end.residual) / static_cast<Real>(end.size)
-                                 : Real(0);
+  report.residual =
+      end.size > 0 ? static_cast<Real>(end.residual) / static_cast<Real>(end.size) : Real(0);
   report.converged = end.failed == 0 && report.residual <= tolerance;
   return report;
 }

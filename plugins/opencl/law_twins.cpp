@@ -15,15 +15,10 @@ constexpr LawTwin twin(std::string_view name, int number, int dim, int reals, in
 }
 
 // In the order of their numbers.
-constexpr std::array<LawTwin, 9> twins{twin("bilateral1", 0, 1, 2),
-                                       twin("bilateral2", 1, 2, 2),
-                                       twin("bilateral3", 2, 3, 2),
-                                       twin("bilateral6", 3, 6, 2),
-                                       twin("unilateral", 4, 1, 1),
-                                       twin("coulomb", 5, 3, 2),
-                                       twin("puncture", 6, 3, 11, 1),
-                                       twin("cutting", 7, 1, 1),
-                                       twin("path_friction", 8, 1, 4)};
+constexpr std::array<LawTwin, 9> twins{
+    twin("bilateral1", 0, 1, 2),   twin("bilateral2", 1, 2, 2), twin("bilateral3", 2, 3, 2),
+    twin("bilateral6", 3, 6, 2),   twin("unilateral", 4, 1, 1), twin("coulomb", 5, 3, 2),
+    twin("puncture", 6, 3, 11, 1), twin("cutting", 7, 1, 1),    twin("path_friction", 8, 1, 4)};
 
 }  // namespace
 
@@ -39,8 +34,8 @@ const LawTwin* find_twin(const LawOperations& law) {
 
 void read_parameters(const LawTwin& twin, const void* params, Real* out) {
   std::memcpy(out, params, sizeof(Real) * static_cast<std::size_t>(twin.reals));
-  const auto* flags = static_cast<const std::byte*>(params) +
-                      sizeof(Real) * static_cast<std::size_t>(twin.reals);
+  const auto* flags =
+      static_cast<const std::byte*>(params) + sizeof(Real) * static_cast<std::size_t>(twin.reals);
   for (int i = 0; i < twin.flags; ++i) out[twin.reals + i] = flags[i] != std::byte{0} ? 1 : 0;
 }
 

@@ -7,7 +7,8 @@ void OpenClDevice::describe(Describe<OpenClDevice>& d) {
       "A GPU or another OpenCL device. A solver that names it in its attribute 'device' computes "
       "there; nothing else changes.");
   d.theory(
-      "GaussSeidel sweeps on it, AsyncPreconditioner runs its conjugate gradients on it. Both still "
+      "GaussSeidel sweeps on it, AsyncPreconditioner runs its conjugate gradients on it. Both "
+      "still "
       "decide on the CPU, in double precision and with the laws themselves, when a problem is "
       "solved. `sutura describe --devices` lists the devices of a machine. docs/theory/opencl.md "
       "says how it works and from which size on it pays.");
@@ -17,12 +18,14 @@ void OpenClDevice::describe(Describe<OpenClDevice>& d) {
               "What kind of device.");
   d.attribute("index", &OpenClDevice::index, between(0, 1000),
               "Which one of those of this name and type, in the order of the list.");
-  d.attribute("precision", &OpenClDevice::precision, {"auto", "double", "mixed", "single"},
-              "double: everywhere; mixed: matrices in single precision, sums in double; single: for "
-              "devices that have nothing else; auto: double where the device has it.");
-  d.attribute("on_failure", &OpenClDevice::on_failure, {"stop", "cpu"},
-              "Where there is no such device, it is lost, or it cannot do what is asked (a law that "
-              "it does not know): the run stops, or the CPU takes over in the same step.");
+  d.attribute(
+      "precision", &OpenClDevice::precision, {"auto", "double", "mixed", "single"},
+      "double: everywhere; mixed: matrices in single precision, sums in double; single: for "
+      "devices that have nothing else; auto: double where the device has it.");
+  d.attribute(
+      "on_failure", &OpenClDevice::on_failure, {"stop", "cpu"},
+      "Where there is no such device, it is lost, or it cannot do what is asked (a law that "
+      "it does not know): the run stops, or the CPU takes over in the same step.");
   d.output("used", "", "Name of the device; empty where the CPU has taken over.",
            [](const OpenClDevice& c) {
              return c.device_ && !c.lost_ ? c.device_->name() : std::string();

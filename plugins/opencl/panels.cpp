@@ -83,8 +83,8 @@ Schedule make_schedule(const SupernodalFactor& factor, std::int64_t subtree_valu
     const Panel& p = s.panels[n];
     values[n] += std::int64_t{p.width} * p.height;
     if (p.height == p.width) continue;
-    parent[n] = panel_of[static_cast<std::size_t>(
-        factor.row[static_cast<std::size_t>(p.row + p.width)])];
+    parent[n] =
+        panel_of[static_cast<std::size_t>(factor.row[static_cast<std::size_t>(p.row + p.width)])];
     values[static_cast<std::size_t>(parent[n])] += values[n];
   }
   if (count > 0) find_gathers(factor, parent, s);

@@ -1,10 +1,10 @@
 // A supernodal factor cut into panels, and who works on which of them when.
 //
 // A panel is some columns of a supernode, at most `most_width`. Its front is its column rows and
-// the rows below. Solving forward, a panel gathers from the panels whose rows below end in its front
-// (its children) what they leave, solves its columns and leaves the rest to its own parent: nothing
-// is added by two at once, so the sums have one order. Small subtrees are the work of one group
-// each; above them all panels whose children are done are worked on together, level by level.
+// the rows below. Solving forward, a panel gathers from the panels whose rows below end in its
+// front (its children) what they leave, solves its columns and leaves the rest to its own parent:
+// nothing is added by two at once, so the sums have one order. Small subtrees are the work of one
+// group each; above them all panels whose children are done are worked on together, level by level.
 #pragma once
 
 #include <array>
@@ -30,11 +30,11 @@ using Task = std::array<std::int32_t, 2>;
 
 struct Schedule {
   std::vector<Panel> panels;
-  std::vector<std::int32_t> gather_start, gather;  ///< per row of a front: entries of `below`
+  std::vector<std::int32_t> gather_start, gather;    ///< per row of a front: entries of `below`
   std::vector<std::int32_t> subtree_start, subtree;  ///< panels of each, children first
   struct Level {
-    std::int32_t first_rows, rows, first_below, below;           ///< tasks of the way forward
-    std::int32_t first_columns, columns;                         ///< and back
+    std::int32_t first_rows, rows, first_below, below;  ///< tasks of the way forward
+    std::int32_t first_columns, columns;                ///< and back
   };
   std::vector<Level> levels;
   std::vector<Task> row_tasks, below_tasks, column_tasks;

@@ -24,10 +24,10 @@ struct Sweeps::Program {
   Program(const Device& device, Precision precision, int dim, int lanes)
       : dim(dim),
         lanes(lanes),
-        program(device.build(definitions(precision) + programs::laws + programs::sweep,
-                             "-DPARAMETERS=global -DD=" + std::to_string(dim) + " -DLANES=" +
-                                 std::to_string(lanes) + " -DPANEL=" + std::to_string(panel) +
-                                 " -DSHARE=" + std::to_string(share))),
+        program(device.build(
+            definitions(precision) + programs::laws + programs::sweep,
+            "-DPARAMETERS=global -DD=" + std::to_string(dim) + " -DLANES=" + std::to_string(lanes) +
+                " -DPANEL=" + std::to_string(panel) + " -DSHARE=" + std::to_string(share))),
         pack(device, program, "pack"),
         prepare(device, program, "prepare"),
         in_one_group(device, program, "sweep_in_one_group"),

@@ -78,8 +78,7 @@ bool AsyncSolver::give_to_device() {
   const auto give = [&] {
     if (!current_) return false;
     const NodePattern& pattern = *pattern_;
-    const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(),
-                              A_->values()};
+    const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(), A_->values()};
     if (!device_->set_matrix(view, fixed_)) return false;
     if (device_factor_ != current_->factor.get() || device_snapshot_ != current_->snapshot->step) {
       SupernodalFactor factor;

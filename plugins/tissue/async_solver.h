@@ -101,7 +101,7 @@ class AsyncSolver : public TissueSolver {
   std::unique_ptr<FactorWorker> worker_;
 
   ConjugateGradientDevice* device_ = nullptr;
-  bool on_device_ = false;               ///< matrix and factor of this step are there
+  bool on_device_ = false;                 ///< matrix and factor of this step are there
   const Factor* device_factor_ = nullptr;  ///< the one that is there
   Index device_snapshot_ = -1;
   Pcg pcg_;

@@ -89,7 +89,7 @@ int dispatch(int argc, char** argv) {
       ->capture_default_str();
   describe_command
       ->add_flag("--devices", describe_arguments.devices,
-                 "Prints the devices of this machine, from the plugins that use any")
+                 "Prints the devices of this machine that plugins can use")
       ->excludes(xsd);
   add_plugin_path(*describe_command, describe_arguments.plugin_directories);
 

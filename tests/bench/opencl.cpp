@@ -59,7 +59,8 @@ Limits measure_limits(const Device& device) {
     out.barrier = std::max(0.0, (rounds(11000) - rounds(1000)) / 10000);
     constexpr std::size_t items = 1 << 18;
     const double time = microseconds([&] {
-      for (int i = 0; i < 4; ++i) read(items, 256, large, static_cast<cl_int>(bytes / 16 / items), x);
+      for (int i = 0; i < 4; ++i)
+        read(items, 256, large, static_cast<cl_int>(bytes / 16 / items), x);
       device.finish();
     });
     out.bandwidth = 4 * static_cast<double>(bytes) / time;
@@ -73,7 +74,8 @@ Limits measure_limits(const Device& device) {
 int main(int argc, char** argv) {
   using namespace sutura::opencl;
   if (argc < 2) {
-    std::fprintf(stderr, "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]\n");
+    std::fprintf(stderr,
+                 "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]\n");
     return 1;
   }
   try {
@@ -83,7 +85,8 @@ int main(int argc, char** argv) {
     std::printf("%s\n", device.name().c_str());
     const Limits limits = measure_limits(device);
     std::printf(
-        "launch %.1f us, launch and read %.1f us, barrier of 320 items %.3f us, reading %.0f GB/s\n",
+        "launch %.1f us, launch and read %.1f us, barrier of 320 items %.3f us, reading %.0f "
+        "GB/s\n",
         limits.launch, limits.round_trip, limits.barrier, limits.bandwidth / 1000);
     const bool done = bench_sweeps(device, limits, out) &&
                       bench_gradients(device, limits, out, argc > 3 ? std::atol(argv[3]) : 60000);

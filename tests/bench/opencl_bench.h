@@ -33,10 +33,10 @@ double microseconds(const Work& work) {
 
 /// Measured.
 struct Limits {
-  double launch = 0;     ///< us, of a kernel that does nothing, in a full queue
-  double round_trip = 0; ///< us, of one and a blocking read of 4 bytes
-  double barrier = 0;    ///< us, of a barrier in a work-group of 320 items
-  double bandwidth = 0;  ///< bytes per us, reading 256 MiB
+  double launch = 0;      ///< us, of a kernel that does nothing, in a full queue
+  double round_trip = 0;  ///< us, of one and a blocking read of 4 bytes
+  double barrier = 0;     ///< us, of a barrier in a work-group of 320 items
+  double bandwidth = 0;   ///< bytes per us, reading 256 MiB
 };
 Limits measure_limits(const Device& device);
 

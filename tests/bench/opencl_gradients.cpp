@@ -66,10 +66,10 @@ bool bench_gradients(const Device& device, const Limits& limits, const std::file
     tissue::Pcg pcg;
     GrowingMat x;
     tissue::PcgReport cpu;
-    const double cpu_time = microseconds(
-        [&] { cpu = pcg.solve(pad.A, pad.fixed, warped, b, x, tolerance, 200); });
-    const NodeMatrixView view{pad.nodes(), pad.A.pattern()->row_start(),
-                              pad.A.pattern()->column(), pad.A.values()};
+    const double cpu_time =
+        microseconds([&] { cpu = pcg.solve(pad.A, pad.fixed, warped, b, x, tolerance, 200); });
+    const NodeMatrixView view{pad.nodes(), pad.A.pattern()->row_start(), pad.A.pattern()->column(),
+                              pad.A.values()};
     const double nodes = static_cast<double>(pad.nodes()),
                  slots = static_cast<double>(view.column.size()),
                  entries = static_cast<double>(supernodes.value.size());
@@ -110,7 +110,8 @@ bool bench_gradients(const Device& device, const Limits& limits, const std::file
       const double launches = static_cast<double>(gradients.solves().launches() + 2);
       // Every block is read for its own row and that of its transpose; indices are two ints each.
       const double product_floor =
-          limits.launch + (slots * 9 * store + 2 * slots * 8 + nodes * 6 * number) / limits.bandwidth;
+          limits.launch +
+          (slots * 9 * store + 2 * slots * 8 + nodes * 6 * number) / limits.bandwidth;
       const double apply_floor =
           launches * limits.launch + (2 * entries * 4 + nodes * 30 * number) / limits.bandwidth;
       std::printf(

@@ -88,11 +88,11 @@ bool bench_sweeps(const Device& device, const Limits& limits, const std::filesys
                               }) /
                               at_once;
           const double call = microseconds([&] { sweeps.sweep(p, one); });
-          const double bytes =
-              9.0 * count * count * (precision == Precision::double_ ? 8 : 4);
-          const double floor = bytes / limits.bandwidth +
-                               (panels ? limits.launch * (count / 32 + 1) : limits.launch / at_once) +
-                               limits.barrier * count;
+          const double bytes = 9.0 * count * count * (precision == Precision::double_ ? 8 : 4);
+          const double floor =
+              bytes / limits.bandwidth +
+              (panels ? limits.launch * (count / 32 + 1) : limits.launch / at_once) +
+              limits.barrier * count;
           std::printf("%8d %-9s %-9s %9.1f %8.1f %9.0f %9.1f %8.0f %9.1f\n", count, word(precision),
                       panels ? "panels" : "one group", time, floor, 1e6 / time, call, load,
                       cpu_time);
@@ -100,8 +100,8 @@ bool bench_sweeps(const Device& device, const Limits& limits, const std::filesys
           csv << count << ',' << word(precision) << ',' << (panels ? "panels" : "one group") << ','
               << time << ',' << floor << ',' << call << ',' << load << ',' << cpu_time << '\n';
         } catch (const DeviceError& e) {  // too many registers, say
-          std::printf("%8d %-9s %-9s %s\n", count, word(precision),
-                      panels ? "panels" : "one group", e.what());
+          std::printf("%8d %-9s %-9s %s\n", count, word(precision), panels ? "panels" : "one group",
+                      e.what());
         }
       }
     }

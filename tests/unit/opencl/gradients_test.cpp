@@ -1,10 +1,11 @@
 // Conjugate gradients on a device: the same equations as on the CPU, solved to the same residual.
+#include "gradients.h"
+
 #include <Eigen/Geometry>
 #include <random>
 
 #include "async_solver.h"
 #include "bench/tissue_pad.h"
-#include "gradients.h"
 #include "opencl_device.h"
 #include "some_device.h"
 

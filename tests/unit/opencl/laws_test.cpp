@@ -91,9 +91,9 @@ suturing::PathFrictionLaw::Params draw(Random& random, const suturing::PathFrict
 template <class L>
 class Twin : public OnDevice {};
 
-using Laws = testing::Types<Bilateral<1>, Bilateral<2>, Bilateral<3>, Bilateral<6>, Unilateral,
-                            Coulomb, suturing::PunctureLaw, suturing::CuttingLaw,
-                            suturing::PathFrictionLaw>;
+using Laws =
+    testing::Types<Bilateral<1>, Bilateral<2>, Bilateral<3>, Bilateral<6>, Unilateral, Coulomb,
+                   suturing::PunctureLaw, suturing::CuttingLaw, suturing::PathFrictionLaw>;
 TYPED_TEST_SUITE(Twin, Laws);
 
 TYPED_TEST(Twin, AnswersAsTheLaw) {
@@ -124,8 +124,7 @@ TYPED_TEST(Twin, AnswersAsTheLaw) {
       device.build(definitions(Precision::double_) + programs::laws + kernel_text,
                    "-DPARAMETERS=global -DD=" + std::to_string(n));
   {
-    Buffer at[5] = {Buffer(device), Buffer(device), Buffer(device), Buffer(device),
-                    Buffer(device)};
+    Buffer at[5] = {Buffer(device), Buffer(device), Buffer(device), Buffer(device), Buffer(device)};
     at[0].write(W);
     at[1].write(d);
     at[2].write(p);

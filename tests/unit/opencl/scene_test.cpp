@@ -14,12 +14,11 @@ constexpr const char* scene = "components/OpenClDevice.xml";
 /// Six passes a step, whatever is reached before, and nothing is solved roughly: where iterations
 /// stop early is what CPU and device may differ by.
 Overrides six_passes(Overrides more) {
-  for (const auto& [name, value] :
-       Overrides{{"/block/async_preconditioner.tolerance", "1e-9"},
-                 {".tolerance", "1e-9"},
-                 {".gap_tolerance", "1 nm"},
-                 {".passes", "6"},
-                 {".substeps", "1"}})
+  for (const auto& [name, value] : Overrides{{"/block/async_preconditioner.tolerance", "1e-9"},
+                                             {".tolerance", "1e-9"},
+                                             {".gap_tolerance", "1 nm"},
+                                             {".passes", "6"},
+                                             {".substeps", "1"}})
     more.push_back({name, value});
   return more;
 }

@@ -77,8 +77,7 @@ TEST_F(DeviceSweeps, AreThoseOfTheCpu) {
       ConstraintProblem ours = mixed_problem(blocks);
       ours.hold_events = true;  // of the half of a budget this small
       ConstraintProblem theirs = ours;
-      BlockGaussSeidel cpu(
-          {.tolerance = 1e-300, .sweeps = 8, .acceleration = Acceleration::none});
+      BlockGaussSeidel cpu({.tolerance = 1e-300, .sweeps = 8, .acceleration = Acceleration::none});
       cpu.solve(ours);
 
       Sweeps sweeps(*device_, Precision::double_, in_one_group);
@@ -132,8 +131,8 @@ TEST_F(DeviceSweeps, RepeatBitByBit) {
   }
 }
 
-// The targets of precision: 1e-6 of the force in double, 1e-4 in single. With the direct step, which
-// the CPU does, all of them end at the tolerance of the solver.
+// The targets of precision: 1e-6 of the force in double, 1e-4 in single. With the direct step,
+// which the CPU does, all of them end at the tolerance of the solver.
 TEST_F(DeviceSweeps, SolveAStitchInEveryPrecision) {
   const ConstraintProblem stitch = test::stitch({.samples = 50, .pull = 0.3});
   ConstraintProblem ours = stitch;
