@@ -66,7 +66,10 @@ class ConjugateGradientDevice {
     bool converged = false;
   };
   virtual ~ConjugateGradientDevice() = default;
-  // All of them: false where the CPU shall do it, `why_not` says why; DeviceError where it must
+  /// Before the first step, by the solver that will use it: false if another one has it already.
+  virtual bool claim() = 0;
+
+  // All of these: false where the CPU shall do it, `why_not` says why; DeviceError where it must
   // not.
 
   /// The matrix of the step. `fixed`: per node, nonzero where b is ignored and x zero.

@@ -224,6 +224,22 @@ void Buffer::read_later(void* data, std::size_t bytes, Event& read) const {
   device_->check(clFlush(device_->queue()), "sending it what to do");
 }
 
+Pinned::Pinned(const Device& device, std::size_t bytes) : device_(&device) {
+  cl_int code = CL_SUCCESS;
+  memory_ = clCreateBuffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes,
+                           nullptr, &code);
+  if (code == CL_SUCCESS)
+    data_ = clEnqueueMapBuffer(device.queue(), memory_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0,
+                               bytes, 0, nullptr, nullptr, &code);
+  if (code != CL_SUCCESS && memory_ != nullptr) clReleaseMemObject(memory_);
+  device.check(code, "asking for memory that both reach");
+}
+
+Pinned::~Pinned() {
+  clEnqueueUnmapMemObject(device_->queue(), memory_, data_, 0, nullptr, nullptr);
+  clReleaseMemObject(memory_);
+}
+
 void Event::wait(const Device& device) {
   if (event_ != nullptr) device.check(clWaitForEvents(1, &event_), "waiting for it");
 }

@@ -85,6 +85,22 @@ class Buffer {
   std::size_t bytes_ = 0;
 };
 
+/// Memory of the host that the device reaches by itself. Drivers wait for a read into any other,
+/// also where they are told not to.
+class Pinned {
+ public:
+  Pinned(const Device& device, std::size_t bytes);
+  Pinned(const Pinned&) = delete;
+  Pinned& operator=(const Pinned&) = delete;
+  ~Pinned();
+  void* data() const { return data_; }
+
+ private:
+  const Device* device_;
+  cl_mem memory_ = nullptr;
+  void* data_ = nullptr;
+};
+
 /// That something which was asked of the device is done.
 class Event {
  public:

@@ -1,6 +1,7 @@
 #include "gradients.h"
 
 #include <algorithm>
+#include <new>
 #include <type_traits>
 
 #include "programs.h"
@@ -54,7 +55,8 @@ Gradients::Gradients(const Device& device, Precision precision)
       residual2_(device),
       rz_{Buffer(device), Buffer(device)},
       pq_(device),
-      status_(device) {}
+      status_(device),
+      statuses_(device, 3 * sizeof(GradientStatus<double>)) {}
 
 Gradients::~Gradients() = default;
 
@@ -161,11 +163,7 @@ void Gradients::precondition(const Buffer& rz) {
 template <class T>
 GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b,
                                     const Eigen::Ref<const VecX>& x) {
-  GradientStatus<T>* status;
-  if constexpr (std::is_same_v<T, double>)
-    status = double_status_;
-  else
-    status = float_status_;
+  auto* status = new (statuses_.data()) GradientStatus<T>[3];
   status_.write(&status[2], sizeof(status[2]));
   const auto rows = static_cast<std::size_t>(3 * nodes_);
   write_as<T>(b_, b.data(), rows);

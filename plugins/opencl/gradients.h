@@ -87,8 +87,7 @@ class Gradients {
   Buffer full_start_, entries_, columns_, is_fixed_, values_, turns_, row_of_, position_;
   Buffer b_, x_, r_, z_, p_, q_, factor_b_, factor_x_, size2_, residual2_, rz_[2], pq_, status_;
   std::vector<float> rounded_;
-  GradientStatus<double> double_status_[3];  // last two, and how it begins
-  GradientStatus<float> float_status_[3];
+  Pinned statuses_;  // three: the last two, and how an iteration begins
 };
 
 }  // namespace sutura::opencl

@@ -51,7 +51,8 @@ void OpenClDevice::initialise(Setup& setup) {
   }
 }
 
-bool OpenClDevice::attempt(const std::function<std::string()>& work) {
+template <class Work>
+bool OpenClDevice::attempt(const Work& work) {
   if (lost_) return false;
   try {
     why_not_ = work();

@@ -1,9 +1,9 @@
 // An OpenCL device as a component of a scene. Solvers that name it compute there.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "gradients.h"
 #include "sutura/component.h"
@@ -30,6 +30,7 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
   bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) override;
   bool is_rough() const override { return in_use_ != Precision::double_; }
 
+  bool claim() override { return !std::exchange(claimed_, true); }
   bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) override;
   bool set_factor(const SupernodalFactor& factor) override;
   bool set_turns(std::span<const Mat3> turns) override;
@@ -43,13 +44,14 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
  private:
   /// Does it unless the device is lost, and says whether it was done. A device that has failed once
   /// is not asked again.
-  bool attempt(const std::function<std::string()>& work);
+  template <class Work>
+  bool attempt(const Work& work);
 
   std::unique_ptr<Device> device_;
   Precision in_use_ = Precision::double_;
   std::unique_ptr<Sweeps> sweeps_;
   std::unique_ptr<Gradients> gradients_;
-  bool lost_ = false;
+  bool lost_ = false, claimed_ = false;
   std::string why_not_;
 };
 

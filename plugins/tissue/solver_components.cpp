@@ -99,6 +99,10 @@ void AsyncPreconditioner::initialise(Setup& setup) {
     setup.error(*this,
                 "a device needs the factors of CHOLMOD (backend=\"cholmod\"), which have "
                 "supernodes");
+  if (device && !device->claim())
+    setup.error(*this,
+                "another AsyncPreconditioner has this device already; it takes an OpenClDevice of "
+                "its own, which may stand for the same GPU");
   set_options(o);
   set_device(device.get());
 }

@@ -87,6 +87,13 @@ TEST(DeviceSceneErrors, NameTheAttribute) {
                  "<AsyncPreconditioner device=\"g\" backend=\"eigen\"/>")
                 .find("supernodes"),
             std::string::npos);
+  const std::string tissue =
+      "<BlockMesh box=\"0 0 0  30 20 10 mm\" cells=\"3 3 2\"/><Tissue/>"
+      "<AsyncPreconditioner device=\"/g\"/></node>";
+  EXPECT_NE(said("<OpenClDevice name=\"g\" on_failure=\"cpu\"/><node name=\"a\">" + tissue +
+                 "<node name=\"b\">" + tissue)
+                .find("of its own"),
+            std::string::npos);
 }
 
 }  // namespace
