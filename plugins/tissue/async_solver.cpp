@@ -17,6 +17,7 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   postponed_.reset();
   worker_lost_ = false;
   device_factor_ = nullptr;
+  on_device_ = false;
   adoptions_.clear();
   adoptions_.reserve(4096);
   pattern_ = std::move(pattern);
@@ -69,17 +70,18 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
       report_.complain("the worker is late: the factor is " + std::to_string(report_.factor_age) +
                        " steps old");
   }
-  on_device_ = device_ != nullptr && give_to_device();
+  on_device_ = device_ != nullptr && give_to_device(same);
 }
 
-/// What this step needs is sent to the device, the factor only if it is another one. False if the
-/// CPU shall do it.
-bool AsyncSolver::give_to_device() {
+/// What this step needs is sent to the device: matrix and factor only if they are others. False if
+/// the CPU shall do it.
+bool AsyncSolver::give_to_device(bool same_matrix) {
   const auto give = [&] {
     if (!current_) return false;
     const NodePattern& pattern = *pattern_;
     const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(), A_->values()};
-    if (!device_->set_matrix(view, fixed_)) return false;
+    const bool is_there = same_matrix && on_device_;
+    if (!is_there && !device_->set_matrix(view, fixed_)) return false;
     if (device_factor_ != current_->factor.get() || device_snapshot_ != current_->snapshot->step) {
       SupernodalFactor factor;
       if (!current_->factor->supernodes(factor)) {
@@ -237,7 +239,7 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   if (!r.converged && older && factorise_here()) {
     report_.complain(
         "the older factor was too poor: the matrix of the step was factorised at once");
-    on_device_ = on_device_ && give_to_device();
+    on_device_ = on_device_ && give_to_device(true);
     r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance, options_.max_iterations);
     report_.iterations += r.iterations;
   }

@@ -80,7 +80,7 @@ class AsyncSolver : public TissueSolver {
   /// more digits are asked for, nothing for the usual tolerances.
   bool rough() const { return options_.tolerance >= 1e-5; }
   const Preconditioner& preconditioner();
-  bool give_to_device();
+  bool give_to_device(bool same_matrix);
   bool solve_on_device(Real tolerance);
 
   AsyncOptions options_;

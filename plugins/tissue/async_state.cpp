@@ -80,6 +80,7 @@ void AsyncSolver::archive(Archive& a) {
   jacobi_ready_ = false;
   worker_.reset();
   device_factor_ = nullptr;
+  on_device_ = false;
   current_.reset();
   spare_.reset();
   postponed_.reset();
