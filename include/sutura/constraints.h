@@ -219,6 +219,9 @@ class ConstraintSolver {
   static constexpr const char* interface_name = "ConstraintSolver";
   virtual ~ConstraintSolver() = default;
   virtual SolveReport solve(ConstraintProblem& problem) = 0;
+  /// What went wrong in the last solve although there is a result, a sentence; empty if nothing
+  /// did.
+  virtual std::string trouble() const { return {}; }
 };
 
 }  // namespace sutura

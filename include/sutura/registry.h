@@ -1,6 +1,7 @@
 // The list of what a scene may contain: an object, passed explicitly. No static constructors.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,6 +29,10 @@ class Registry {
     add_law(&law_operations<L>);
   }
 
+  /// A plugin that uses devices tells which ones this machine has: lines of text.
+  void devices(std::function<std::string()> list) { devices_.push_back(std::move(list)); }
+  const std::vector<std::function<std::string()>>& devices() const { return devices_; }
+
   const ComponentInfo* find(const std::string& name) const;
   std::vector<const ComponentInfo*> components() const;  ///< sorted by plugin, then name
   const std::vector<const LawOperations*>& laws() const { return laws_; }
@@ -46,6 +51,7 @@ class Registry {
   std::map<std::string, std::unique_ptr<ComponentInfo>> components_;
   std::vector<const LawOperations*> laws_;
   std::vector<std::unique_ptr<ComponentInfo>> refused_;
+  std::vector<std::function<std::string()>> devices_;
   std::vector<std::string> clashes_;
   std::vector<std::string> plugins_;
   std::string plugin_ = "core";

@@ -16,6 +16,8 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   in_flight_.reset();
   postponed_.reset();
   worker_lost_ = false;
+  device_factor_ = nullptr;
+  on_device_ = false;
   adoptions_.clear();
   adoptions_.reserve(4096);
   pattern_ = std::move(pattern);
@@ -68,6 +70,49 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
       report_.complain("the worker is late: the factor is " + std::to_string(report_.factor_age) +
                        " steps old");
   }
+  on_device_ = device_ != nullptr && give_to_device(same);
+}
+
+/// What this step needs is sent to the device: matrix and factor only if they are others. False if
+/// the CPU shall do it.
+bool AsyncSolver::give_to_device(bool same_matrix) {
+  const auto give = [&] {
+    if (!current_) return false;
+    const NodePattern& pattern = *pattern_;
+    const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(), A_->values()};
+    const bool is_there = same_matrix && on_device_;
+    if (!is_there && !device_->set_matrix(view, fixed_)) return false;
+    if (device_factor_ != current_->factor.get() || device_snapshot_ != current_->snapshot->step) {
+      SupernodalFactor factor;
+      if (!current_->factor->supernodes(factor)) {
+        report_.complain("the factor has no supernodes (backend \"eigen\"): not for the device");
+        return false;
+      }
+      if (!device_->set_factor(factor)) return false;
+      device_factor_ = current_->factor.get();
+      device_snapshot_ = current_->snapshot->step;
+    }
+    return device_->set_turns(warped_.turns());
+  };
+  const bool given = give();
+  if (!given && !device_->why_not().empty()) report_.complain(device_->why_not());
+  return given;
+}
+
+/// answered_ <- A^-1 asked_. False if the CPU shall do it.
+bool AsyncSolver::solve_on_device(Real tolerance) {
+  ConjugateGradientDevice::Report r;
+  answered_.setZero();
+  if (!device_->solve(asked_, answered_, tolerance, options_.max_iterations, r)) {
+    report_.complain(device_->why_not());
+    on_device_ = false;
+    return false;
+  }
+  report_.iterations += r.iterations;
+  last_iterations_ = std::max(last_iterations_, r.iterations);
+  if (!r.converged) return false;
+  report_.residual = std::max(report_.residual, r.residual);
+  return true;
 }
 
 void AsyncSolver::submit(std::unique_ptr<SnapshotFactor> job) {
@@ -176,12 +221,16 @@ const Preconditioner& AsyncSolver::preconditioner() {
 void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   assert(A_);
   const bool single = columns.cols() == 1;
-  if (single) asked_ = columns.col(0);
-  GrowingMat& x = single ? single_x_ : x_;
-  const bool started = single && recent_.start(*A_, fixed_, asked_, x);
   const Real size = columns.norm();
   const Real tolerance =
       size > 0 ? std::clamp(enough / size, options_.tolerance, Real(0.5)) : options_.tolerance;
+  if (single) asked_ = columns.col(0);
+  if (single && on_device_ && solve_on_device(tolerance)) {
+    columns.col(0) = answered_;
+    return;
+  }
+  GrowingMat& x = single ? single_x_ : x_;
+  const bool started = single && recent_.start(*A_, fixed_, asked_, x);
   PcgReport r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance,
                            options_.max_iterations, started);
   report_.iterations += r.iterations;
@@ -190,6 +239,7 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   if (!r.converged && older && factorise_here()) {
     report_.complain(
         "the older factor was too poor: the matrix of the step was factorised at once");
+    on_device_ = on_device_ && give_to_device(true);
     r = pcg_.solve(*A_, fixed_, preconditioner(), columns, x, tolerance, options_.max_iterations);
     report_.iterations += r.iterations;
   }

@@ -44,6 +44,8 @@ class AsyncSolver : public TissueSolver {
   ~AsyncSolver() override;
   void set_options(AsyncOptions options) { options_ = std::move(options); }
   const AsyncOptions& options() const { return options_; }
+  /// Single right-hand sides are solved there from now on; null: here.
+  void set_device(ConjugateGradientDevice* device) { device_ = device; }
 
   void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                std::span<const Index> candidates) override;
@@ -78,6 +80,8 @@ class AsyncSolver : public TissueSolver {
   /// more digits are asked for, nothing for the usual tolerances.
   bool rough() const { return options_.tolerance >= 1e-5; }
   const Preconditioner& preconditioner();
+  bool give_to_device(bool same_matrix);
+  bool solve_on_device(Real tolerance);
 
   AsyncOptions options_;
   std::shared_ptr<const NodePattern> pattern_;
@@ -96,6 +100,10 @@ class AsyncSolver : public TissueSolver {
   std::unique_ptr<SnapshotFactor> postponed_;  ///< what the lost worker would have been given
   std::unique_ptr<FactorWorker> worker_;
 
+  ConjugateGradientDevice* device_ = nullptr;
+  bool on_device_ = false;                 ///< matrix and factor of this step are there
+  const Factor* device_factor_ = nullptr;  ///< the one that is there
+  Index device_snapshot_ = -1;
   Pcg pcg_;
   RecentSolutions recent_;
   WarpedFactor warped_;

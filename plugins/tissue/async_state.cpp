@@ -79,6 +79,8 @@ void AsyncSolver::archive(Archive& a) {
   if (!a.restoring()) return;
   jacobi_ready_ = false;
   worker_.reset();
+  device_factor_ = nullptr;
+  on_device_ = false;
   current_.reset();
   spare_.reset();
   postponed_.reset();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "block_matrix.h"
+#include "sutura/device.h"
 #include "sutura/growing.h"
 
 namespace sutura::tissue {
@@ -45,6 +46,9 @@ class Factor {
   /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve
   /// is bound by reading L, which is then half as long. For preconditioning.
   virtual void solve_roughly(Eigen::Ref<MatX> columns) const { solve(columns); }
+  /// The factor itself, as long as it lives and nothing is factorised anew, and in single precision
+  /// too after keep_rough. False if the backend has no supernodes.
+  virtual bool supernodes(SupernodalFactor&) const { return false; }
   /// Asks for what solve_roughly needs, to be made by every factorise from now on.
   virtual void keep_rough() {}
 };

@@ -117,6 +117,22 @@ class CholmodFactor : public Factor {
     return ready_;
   }
 
+  bool supernodes(SupernodalFactor& out) const override {
+    if (!ready_ || L_ == nullptr) return false;
+    const auto part = [](const void* numbers, std::size_t count) {
+      return std::span(static_cast<const std::int32_t*>(numbers), count);
+    };
+    out.size = static_cast<Index>(L_->n);
+    out.first_column = part(L_->super, L_->nsuper + 1);
+    out.first_row = part(L_->pi, L_->nsuper + 1);
+    out.first_value = part(L_->px, L_->nsuper + 1);
+    out.row = part(L_->s, L_->ssize);
+    out.value = std::span(static_cast<const Real*>(L_->x), L_->xsize);
+    out.rough = rough_L_;
+    out.row_of = rows_of_positions();
+    return true;
+  }
+
   void keep_rough() override { keep_rough_ = true; }
 
   void solve_roughly(Eigen::Ref<MatX> columns) const override {
@@ -197,14 +213,19 @@ class CholmodFactor : public Factor {
  private:
   using Panel = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
 
+  std::vector<std::int32_t> rows_of_positions() const {
+    const auto* perm = static_cast<const int*>(L_->Perm);
+    std::vector<std::int32_t> out(L_->n);
+    for (std::size_t k = 0; k < L_->n; ++k)
+      out[k] = 3 * plan_->order[static_cast<std::size_t>(perm[k] / 3)] + perm[k] % 3;
+    return out;
+  }
+
   void copy_rough() {
     const auto* x = static_cast<const Real*>(L_->x);
     rough_L_.assign(x, x + L_->xsize);
     if (row_of_.size() == L_->n) return;
-    const auto* perm = static_cast<const int*>(L_->Perm);
-    row_of_.resize(L_->n);
-    for (std::size_t k = 0; k < L_->n; ++k)
-      row_of_[k] = 3 * plan_->order[static_cast<std::size_t>(perm[k] / 3)] + perm[k] % 3;
+    row_of_ = rows_of_positions();
     rough_x_.resize(static_cast<Index>(L_->n));
     rough_below_.resize(static_cast<Index>(L_->maxesize));
   }

@@ -74,6 +74,11 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
               "Age in steps that no factor should reach: at three quarters of it a new one is "
               "asked for, whatever the iterations.");
   describe_backend(d);
+  d.link(
+       "device", &AsyncPreconditioner::device,
+       "Conjugate gradients run there instead of on the CPU; the factors are still made here. For "
+       "ten thousand nodes and more, see docs/theory/opencl.md.")
+      .named_only();
   describe_outputs(d);
 }
 
@@ -90,7 +95,16 @@ void AsyncPreconditioner::initialise(Setup& setup) {
     if (problem != std::errc() || rest != end || o.lag < 0)
       setup.error(*this, "lag=\"" + lag + "\": expected \"free\" or a number of steps, 0 or more");
   }
+  if (device && o.backend == FactorBackend::eigen)
+    setup.error(*this,
+                "a device needs the factors of CHOLMOD (backend=\"cholmod\"), which have "
+                "supernodes");
+  if (device && !device->claim())
+    setup.error(*this,
+                "another AsyncPreconditioner has this device already; it takes an OpenClDevice of "
+                "its own, which may stand for the same GPU");
   set_options(o);
+  set_device(device.get());
 }
 
 void enrol_tissue_solvers(Registry& registry) {

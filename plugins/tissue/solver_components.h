@@ -29,6 +29,7 @@ class AsyncPreconditioner : public Component, public AsyncSolver {
   Index refactor_iterations = 2;
   Index max_age = 200;
   BackendChoice backend = BackendChoice::automatic;
+  Link<ConjugateGradientDevice> device;
 
   static void describe(Describe<AsyncPreconditioner>& d);
   void initialise(Setup& setup) override;

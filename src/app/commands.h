@@ -33,6 +33,7 @@ struct RunArguments {
 struct DescribeArguments {
   std::string component;  ///< empty: all
   bool xsd = false;
+  bool devices = false;
   std::string markdown;                      ///< folder to write pages to; empty: none
   std::string scenes = "scenes/components";  ///< folder of NAME.xml, shown as examples
   std::vector<std::string> plugin_directories;

@@ -76,6 +76,11 @@ int describe(const DescribeArguments& arguments) {
     const int code = write_markdown(registry, arguments);
     return code != ok ? code : plugin_code;
   }
+  if (arguments.devices) {
+    for (const auto& list : registry.devices()) print(list());
+    if (registry.devices().empty()) print("no plugin that uses devices is found\n");
+    return plugin_code;
+  }
   if (arguments.xsd)
     print(xml_schema(registry));
   else if (arguments.component.empty())

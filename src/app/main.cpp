@@ -87,6 +87,10 @@ int dispatch(int argc, char** argv) {
                    "Folder of the NAME.xml that the pages show as examples")
       ->type_name("DIR")
       ->capture_default_str();
+  describe_command
+      ->add_flag("--devices", describe_arguments.devices,
+                 "Prints the devices of this machine that plugins can use")
+      ->excludes(xsd);
   add_plugin_path(*describe_command, describe_arguments.plugin_directories);
 
   FmuArguments fmu_arguments;

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "sutura/describe.h"
+#include "sutura/device.h"
 #include "sutura/scene.h"
 
 namespace sutura {
@@ -47,6 +48,10 @@ Diagnostic failure_of(const Component* who, const std::string& when) {
     throw;
   } catch (const TooManyRows& rows) {
     return rows.diagnostic;
+  } catch (const DeviceError& e) {
+    d.category = Category::plugin;
+    d.message = name + " cannot go on " + when + ": " + e.what();
+    return d;
   } catch (const std::bad_alloc&) {
     d.category = Category::scene;
     d.message = name + " asks for more memory than there is, " + when;

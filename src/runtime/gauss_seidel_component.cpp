@@ -31,6 +31,10 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
               "converge (at most 100) and the slowest so far; empty: none.");
   d.attribute("dump_every", &GaussSeidel::dump_every_, at_least(0),
               "With `dump`: also every so many solves; 0: none.");
+  d.link("device", &GaussSeidel::device_,
+         "Sweeps there instead of on the CPU; everything else of the solve stays. For hundreds of "
+         "blocks, see docs/theory/opencl.md.")
+      .named_only();
   d.output("sweeps", "1", "Sweeps of the last step.",
            [](const GaussSeidel& s) { return Real(s.last_.sweeps); });
   d.output("direct_solves", "1", "Direct steps of the last step.",
@@ -46,6 +50,11 @@ void GaussSeidel::initialise(Setup& setup) {
                        .sweeps = sweeps_,
                        .seed = static_cast<std::uint64_t>(seed_),
                        .acceleration = acceleration_};
+  solver_.set_device(device_.get());
+  if (device_ && acceleration_ == Acceleration::nncg)
+    setup.error(*this,
+                "acceleration=\"nncg\" works on the CPU alone; use \"subspace\" or \"none\" with a "
+                "device");
   if (dump_.empty()) return;
   if (const auto place = setup.output(*this, "dump", dump_, "*.problem")) dump_folder_ = *place;
 }

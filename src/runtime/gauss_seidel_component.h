@@ -12,12 +12,14 @@ class GaussSeidel : public Component, public ConstraintSolver {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   SolveReport solve(ConstraintProblem& problem) override;
+  std::string trouble() const override { return solver_.trouble(); }
 
  private:
   Real tolerance_ = 1e-9;
   Index sweeps_ = 1000;
   Index seed_ = 1;
   Acceleration acceleration_ = Acceleration::subspace;
+  Link<SweepDevice> device_;
   std::string dump_;
   Index dump_every_ = 0;
 

@@ -124,6 +124,10 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
     if (!trouble.empty()) report_.messages.push_back(bodies_[i].path + ": " + trouble);
     note_fault(bodies_[i].path, body.fault());
   }
+  if (auto* component = dynamic_cast<Component*>(solver_)) {
+    const std::string trouble = solver_->trouble();
+    if (!trouble.empty()) report_.messages.push_back(component->path() + ": " + trouble);
+  }
   if (!report_.finite) return;  // a state that is not finite is not searched
   const SolvedBlocks blocks(problem_);
   for (std::size_t i = 0; i < sources_.size(); ++i) {

@@ -33,6 +33,28 @@ void BlockGaussSeidel::sweep(ConstraintProblem& problem) {
   }
 }
 
+/// The same sweeps in the same order on the device. Returns how many; 0 if the device does not
+/// answer, and the CPU goes on from where the problem stands.
+Index BlockGaussSeidel::sweep_on_device(ConstraintProblem& problem, Real residual, Index most) {
+  // A direct step is weighed after every sweep, and events may be due once the residual is small.
+  // Otherwise it need not be looked at so often.
+  constexpr Index at_once = 8;
+  const bool looks = options_.acceleration != Acceleration::none || residual <= event_gate;
+  const Index count = looks ? Index{1} : std::min(at_once, most);
+  orders_.clear();
+  for (Index s = 0; s < count; ++s) {
+    shuffle();
+    for (const std::size_t i : order_) orders_.push_back(static_cast<std::uint32_t>(i));
+  }
+  on_device_ = device_->sweep(problem, orders_);
+  if (!on_device_) {
+    trouble_ = device_->why_not();
+    return 0;
+  }
+  if (device_->is_rough()) compliance_.update_delta(problem);
+  return count;
+}
+
 void BlockGaussSeidel::conjugate(ConstraintProblem& problem) {
   // The change of a sweep is minus the gradient; Fletcher-Reeves, restarted when it grows.
   const Real gradient = (problem.lambda - before_).squaredNorm();
@@ -65,6 +87,10 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   last_gradient_ = 0;
   if (options_.acceleration == Acceleration::nncg) search_.setZero(problem.rows());
 
+  trouble_.clear();
+  on_device_ = device_ != nullptr && device_->load(problem);
+  if (device_ != nullptr && !on_device_) trouble_ = device_->why_not();
+
   if (!problem.lambda.allFinite()) problem.lambda.setZero();
   compliance_.update_delta(problem);
   Residual residual = natural_map(problem, compliance_, lambda_plus_);
@@ -89,8 +115,13 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
 
     const Real before = residual.value;
     if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
-    sweep(problem);
-    ++report.sweeps;
+    Index swept = 0;
+    if (on_device_) swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
+    if (swept == 0) {
+      sweep(problem);
+      swept = 1;
+    }
+    report.sweeps += swept;
     if (options_.acceleration == Acceleration::nncg) conjugate(problem);
     residual = natural_map(problem, compliance_, lambda_plus_);
 
@@ -98,11 +129,11 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
         --pause < 0) {
       const Index free = subspace_.gather(problem, compliance_, lambda_plus_);
       if (direct_step_pays(problem, free, before, residual.value)) {
-        const Real swept = residual.value;
+        const Real by_sweeps = residual.value;
         residual = subspace_.newton(problem, compliance_, residual, options_.tolerance,
                                     lambda_plus_, report, wait == 4 || wait == 8);
         // Modes were not right yet: let sweeps find them, longer each time.
-        wait = residual.value < 0.1 * swept ? 1 : 2 * wait;
+        wait = residual.value < 0.1 * by_sweeps ? 1 : 2 * wait;
         pause = wait;
       }
     }

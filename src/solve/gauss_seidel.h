@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "solve/law_residual.h"
 #include "solve/subspace_step.h"
 #include "sutura/constraints.h"
+#include "sutura/device.h"
 
 namespace sutura {
 
@@ -28,12 +30,17 @@ class BlockGaussSeidel {
  public:
   explicit BlockGaussSeidel(GaussSeidelOptions options = {}) : options_(options) {}
   GaussSeidelOptions& options() { return options_; }
+  /// Sweeps there from now on; null: here.
+  void set_device(SweepDevice* device) { device_ = device; }
+  /// Why the last solve swept here although it has a device; empty if it did not.
+  const std::string& trouble() const { return trouble_; }
 
   SolveReport solve(ConstraintProblem& problem);
 
  private:
   void shuffle();
   void sweep(ConstraintProblem& problem);
+  Index sweep_on_device(ConstraintProblem& problem, Real residual, Index most);
   void conjugate(ConstraintProblem& problem);
   bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
 
@@ -42,6 +49,10 @@ class BlockGaussSeidel {
   SubspaceStep subspace_;
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;
+  SweepDevice* device_ = nullptr;
+  bool on_device_ = false;  ///< this solve, as long as the device answers
+  std::vector<std::uint32_t> orders_;
+  std::string trouble_;
   GrowingVec lambda_plus_;
   GrowingVec before_, search_;  // NNCG
   Real last_gradient_ = 0;

@@ -1,0 +1,86 @@
+// What an accelerator (a GPU) does for the solvers, which stay what they are: they decide when a
+// problem is solved, when events fire and what happens where a device is missing or lost.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "sutura/constraints.h"
+#include "sutura/growing.h"
+
+namespace sutura {
+
+/// Thrown out of a solve by a device that fails in a scene that does not let the CPU take over. The
+/// sentence is for the person who runs the scene.
+class DeviceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Sweeps of block Gauss-Seidel on a device.
+class SweepDevice {
+ public:
+  static constexpr const char* interface_name = "SweepDevice";
+  virtual ~SweepDevice() = default;
+  /// Takes W, laws and parameters of a problem. False: the CPU shall do it, `why_not` says why.
+  /// Throws DeviceError where it must not.
+  virtual bool load(const ConstraintProblem& problem) = 0;
+  /// One sweep for every blocks.size() entries of `orders`, from lambda, delta and the modes of the
+  /// problem that was loaded; they are left at the result. False or throws as `load`; the problem
+  /// is then as it was.
+  virtual bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) = 0;
+  /// Sums are rounded more coarsely than on the CPU: delta is to be made again from lambda.
+  virtual bool is_rough() const = 0;
+  virtual const std::string& why_not() const = 0;
+};
+
+/// A Cholesky factor L L^T = P A P^T in dense supernodes, as CHOLMOD makes it. Supernode s holds
+/// the columns first_column[s] .. first_column[s + 1] of L; its rows are row[first_row[s]] ..
+/// row[first_row[s + 1]], of which the first are those columns; its numbers are dense, by columns,
+/// from first_value[s] on.
+struct SupernodalFactor {
+  Index size = 0;
+  std::span<const std::int32_t> first_column, first_row, first_value, row;
+  std::span<const Real> value;
+  std::span<const float> rough;      ///< the same numbers in single precision; may be empty
+  std::vector<std::int32_t> row_of;  ///< position in L -> row of the full vector
+};
+
+/// Symmetric, one 3x3 block per pair of nodes; only i <= j, by rows, the diagonal block first.
+struct NodeMatrixView {
+  Index nodes = 0;
+  std::span<const std::int32_t> row_start, column;
+  const Real* values = nullptr;  ///< nine per block, by rows
+};
+
+/// Conjugate gradients on a device: A of the step, preconditioned by an older factor turned with
+/// the material, P^-1 = Q (L L^T)^-1 Q^T.
+class ConjugateGradientDevice {
+ public:
+  static constexpr const char* interface_name = "ConjugateGradientDevice";
+  struct Report {
+    Index iterations = 0;
+    Real residual = 0;  ///< |b - A x| / |b|
+    bool converged = false;
+  };
+  virtual ~ConjugateGradientDevice() = default;
+  /// Before the first step, by the solver that will use it: false if another one has it already.
+  virtual bool claim() = 0;
+
+  // All of these: false where the CPU shall do it, `why_not` says why; DeviceError where it must
+  // not.
+
+  /// The matrix of the step. `fixed`: per node, nonzero where b is ignored and x zero.
+  virtual bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) = 0;
+  virtual bool set_factor(const SupernodalFactor& factor) = 0;
+  /// Q, per node.
+  virtual bool set_turns(std::span<const Mat3> turns) = 0;
+  /// x <- A^-1 b, from x on.
+  virtual bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
+                     Index max_iterations, Report& report) = 0;
+  virtual const std::string& why_not() const = 0;
+};
+
+}  // namespace sutura

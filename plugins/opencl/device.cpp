@@ -1,0 +1,298 @@
+#include "device.h"
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace sutura::opencl {
+namespace {
+
+std::string meaning(cl_int code) {
+  switch (code) {
+    case CL_DEVICE_NOT_AVAILABLE:
+      return "the device is not available";
+    case CL_MEM_OBJECT_ALLOCATION_FAILURE:
+      return "no memory left on the device";
+    case CL_OUT_OF_RESOURCES:
+      return "out of resources on the device (memory, registers, or the device is lost)";
+    case CL_OUT_OF_HOST_MEMORY:
+      return "no memory left";
+    case CL_INVALID_BUFFER_SIZE:
+      return "the device does not allow memory of this size in one piece";
+    case CL_INVALID_COMMAND_QUEUE:
+    case CL_INVALID_CONTEXT:
+      return "the device is lost";
+    case -1001:
+      return "no OpenCL driver is installed";
+    default:
+      return "the driver gives no reason";
+  }
+}
+
+struct Found {
+  cl_device_id id;
+  std::string name, platform;
+  cl_device_type type;
+};
+
+template <class Get>
+std::string text_of(const Get& get) {
+  std::size_t size = 0;
+  if (get(0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+  std::string out(size, ' ');
+  get(size, out.data(), nullptr);
+  out.resize(out.find('\0') == std::string::npos ? size : out.find('\0'));
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+template <class T>
+T number_of(cl_device_id id, cl_device_info what) {
+  T value{};
+  clGetDeviceInfo(id, what, sizeof(value), &value, nullptr);
+  return value;
+}
+
+std::string text_of(cl_device_id id, cl_device_info what) {
+  return text_of([&](std::size_t size, void* value, std::size_t* needed) {
+    return clGetDeviceInfo(id, what, size, value, needed);
+  });
+}
+
+std::vector<Found> find_devices() {
+  cl_uint count = 0;
+  if (clGetPlatformIDs(0, nullptr, &count) != CL_SUCCESS) return {};
+  std::vector<cl_platform_id> platforms(count);
+  clGetPlatformIDs(count, platforms.data(), nullptr);
+  std::vector<Found> out;
+  for (const cl_platform_id platform : platforms) {
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS) continue;
+    std::vector<cl_device_id> ids(count);
+    clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr);
+    const std::string where = text_of([&](std::size_t size, void* value, std::size_t* needed) {
+      return clGetPlatformInfo(platform, CL_PLATFORM_NAME, size, value, needed);
+    });
+    for (const cl_device_id id : ids)
+      out.push_back(
+          {id, text_of(id, CL_DEVICE_NAME), where, number_of<cl_device_type>(id, CL_DEVICE_TYPE)});
+  }
+  return out;
+}
+
+const char* word(cl_device_type type) {
+  if (type & CL_DEVICE_TYPE_GPU) return "gpu";
+  if (type & CL_DEVICE_TYPE_CPU) return "cpu";
+  return "accelerator";
+}
+
+bool has_double(cl_device_id id) {
+  return number_of<cl_device_fp_config>(id, CL_DEVICE_DOUBLE_FP_CONFIG) != 0;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool fits(const Found& found, const DeviceChoice& choice) {
+  static const char* const words[] = {"", "gpu", "cpu", "accelerator"};
+  const std::string wanted = words[static_cast<int>(choice.type)];
+  return (wanted.empty() || wanted == word(found.type)) &&
+         lower(found.name).find(lower(choice.name)) != std::string::npos;
+}
+
+constexpr const char* no_device =
+    "no OpenCL device on this machine: neither a driver of a GPU nor pocl (Debian: "
+    "pocl-opencl-icd) is installed";
+
+}  // namespace
+
+std::string list_devices() {
+  std::string out;
+  for (const Found& f : find_devices()) {
+    const auto mebibytes = number_of<cl_ulong>(f.id, CL_DEVICE_GLOBAL_MEM_SIZE) >> 20;
+    out += "opencl " + std::string(word(f.type)) + "  \"" + f.name + "\"  " +
+           std::to_string(number_of<cl_uint>(f.id, CL_DEVICE_MAX_COMPUTE_UNITS)) + " units, " +
+           std::to_string(mebibytes) + " MiB, " + (has_double(f.id) ? "double" : "single") +
+           " precision, " + text_of(f.id, CL_DEVICE_VERSION) + " (" + f.platform + ")\n";
+  }
+  return out.empty() ? std::string(no_device) + "\n" : out;
+}
+
+Device::Device(const DeviceChoice& choice) {
+  const std::vector<Found> all = find_devices();
+  if (all.empty()) throw DeviceError(no_device);
+  std::vector<Found> fitting;
+  for (const Found& f : all)
+    if (fits(f, choice)) fitting.push_back(f);
+  if (choice.index >= static_cast<Index>(fitting.size())) {
+    std::string there;
+    for (const Found& f : all)
+      there += (there.empty() ? "" : ", ") + ("\"" + f.name + "\" (" + word(f.type) + ")");
+    throw DeviceError(fitting.empty()
+                          ? "no OpenCL device of this name and type; there is " + there
+                          : "index " + std::to_string(choice.index) + ": only " +
+                                std::to_string(fitting.size()) +
+                                " OpenCL devices of this name and type; there is " + there);
+  }
+  const Found& found = fitting[static_cast<std::size_t>(choice.index)];
+  id_ = found.id;
+  name_ = found.name;
+  has_double_ = opencl::has_double(id_);
+  largest_group_ = number_of<std::size_t>(id_, CL_DEVICE_MAX_WORK_GROUP_SIZE);
+  cl_int code = CL_SUCCESS;
+  context_ = clCreateContext(nullptr, 1, &id_, nullptr, nullptr, &code);
+  check(code, "opening it");
+  queue_ = clCreateCommandQueue(context_, id_, 0, &code);
+  if (code != CL_SUCCESS) clReleaseContext(context_);
+  check(code, "opening its queue");
+}
+
+Device::~Device() {
+  clReleaseCommandQueue(queue_);
+  clReleaseContext(context_);
+}
+
+void Device::check(cl_int code, const char* what, const std::string& which) const {
+  if (lost_) code = CL_DEVICE_NOT_AVAILABLE;
+  if (code != CL_SUCCESS)
+    throw DeviceError("OpenCL device \"" + name_ + "\", " + what +
+                      (which.empty() ? "" : " " + which) + ": " + meaning(code) + " (code " +
+                      std::to_string(code) + ")");
+}
+
+void Device::finish() const {
+  check(clFinish(queue_), "waiting for it");
+}
+
+cl_program Device::build(const std::string& source, const std::string& options) const {
+  const char* text = source.c_str();
+  const std::size_t length = source.size();
+  cl_int code = CL_SUCCESS;
+  const cl_program program = clCreateProgramWithSource(context_, 1, &text, &length, &code);
+  check(code, "reading a program");
+  code = clBuildProgram(program, 1, &id_, options.c_str(), nullptr, nullptr);
+  if (code == CL_SUCCESS) return program;
+  const std::string log = text_of([&](std::size_t size, void* value, std::size_t* needed) {
+    return clGetProgramBuildInfo(program, id_, CL_PROGRAM_BUILD_LOG, size, value, needed);
+  });
+  clReleaseProgram(program);
+  throw DeviceError("OpenCL device \"" + name_ + "\" does not compile a program (" + options +
+                    "), code " + std::to_string(code) + ":\n" + log);
+}
+
+Buffer::Buffer(Buffer&& other) noexcept
+    : device_(other.device_),
+      memory_(std::exchange(other.memory_, nullptr)),
+      bytes_(std::exchange(other.bytes_, 0)) {}
+
+Buffer::~Buffer() {
+  if (memory_ != nullptr) clReleaseMemObject(memory_);
+}
+
+void Buffer::reserve(std::size_t bytes) {
+  if (bytes <= bytes_) return;
+  bytes = std::max(bytes, bytes_ + bytes_ / 2);
+  if (memory_ != nullptr) clReleaseMemObject(memory_);
+  bytes_ = 0;
+  cl_int code = CL_SUCCESS;
+  memory_ = clCreateBuffer(device_->context(), CL_MEM_READ_WRITE, bytes, nullptr, &code);
+  if (code != CL_SUCCESS) device_->check(code, "asking for bytes:", std::to_string(bytes));
+  bytes_ = bytes;
+}
+
+void Buffer::write(const void* data, std::size_t bytes) {
+  reserve(std::max(bytes, std::size_t{16}));
+  if (bytes == 0) return;
+  device_->check(clEnqueueWriteBuffer(device_->queue(), memory_, CL_FALSE, 0, bytes, data, 0,
+                                      nullptr, nullptr),
+                 "writing to its memory");
+}
+
+void Buffer::read(void* data, std::size_t bytes, bool wait) const {
+  if (bytes == 0) return;
+  device_->check(clEnqueueReadBuffer(device_->queue(), memory_, wait ? CL_TRUE : CL_FALSE, 0, bytes,
+                                     data, 0, nullptr, nullptr),
+                 "reading from its memory");
+}
+
+void Buffer::read_later(void* data, std::size_t bytes, Event& read) const {
+  read.forget();
+  device_->check(clEnqueueReadBuffer(device_->queue(), memory_, CL_FALSE, 0, bytes, data, 0,
+                                     nullptr, &read.event_),
+                 "reading from its memory");
+  device_->check(clFlush(device_->queue()), "sending it what to do");
+}
+
+Pinned::Pinned(const Device& device, std::size_t bytes) : device_(&device) {
+  cl_int code = CL_SUCCESS;
+  memory_ = clCreateBuffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes,
+                           nullptr, &code);
+  if (code == CL_SUCCESS)
+    data_ = clEnqueueMapBuffer(device.queue(), memory_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0,
+                               bytes, 0, nullptr, nullptr, &code);
+  if (code != CL_SUCCESS && memory_ != nullptr) clReleaseMemObject(memory_);
+  device.check(code, "asking for memory that both reach");
+}
+
+Pinned::~Pinned() {
+  clEnqueueUnmapMemObject(device_->queue(), memory_, data_, 0, nullptr, nullptr);
+  clReleaseMemObject(memory_);
+}
+
+void Event::wait(const Device& device) {
+  if (event_ != nullptr) device.check(clWaitForEvents(1, &event_), "waiting for it");
+}
+
+void Event::forget() {
+  if (event_ != nullptr) clReleaseEvent(event_);
+  event_ = nullptr;
+}
+
+Kernel::Kernel(const Device& device, cl_program program, const char* name)
+    : device_(&device), name_(name) {
+  cl_int code = CL_SUCCESS;
+  kernel_ = clCreateKernel(program, name, &code);
+  device_->check(code, "making the kernel", name_);
+}
+
+Kernel::Kernel(Kernel&& other) noexcept
+    : device_(other.device_),
+      kernel_(std::exchange(other.kernel_, nullptr)),
+      name_(std::move(other.name_)) {}
+
+Kernel::~Kernel() {
+  if (kernel_ != nullptr) clReleaseKernel(kernel_);
+}
+
+void Kernel::set_bytes(cl_uint at, std::size_t size, const void* value) {
+  device_->check(clSetKernelArg(kernel_, at, size, value), "setting arguments of the kernel",
+                 name_);
+}
+
+void Kernel::set(cl_uint at, const Buffer& buffer) {
+  const cl_mem memory = buffer.get();
+  set_bytes(at, sizeof(memory), &memory);
+}
+
+void Kernel::set(cl_uint at, cl_int value) {
+  set_bytes(at, sizeof(value), &value);
+}
+
+void Kernel::set(cl_uint at, double value) {
+  set_bytes(at, sizeof(value), &value);
+}
+
+void Kernel::set(cl_uint at, float value) {
+  set_bytes(at, sizeof(value), &value);
+}
+
+void Kernel::enqueue(std::size_t total, std::size_t group) {
+  total = (total + group - 1) / group * group;
+  if (total == 0) return;
+  device_->check(clEnqueueNDRangeKernel(device_->queue(), kernel_, 1, nullptr, &total, &group, 0,
+                                        nullptr, nullptr),
+                 "running the kernel", name_);
+}
+
+}  // namespace sutura::opencl

@@ -1,0 +1,239 @@
+#include "gradients.h"
+
+#include <algorithm>
+#include <new>
+#include <type_traits>
+
+#include "programs.h"
+
+namespace sutura::opencl {
+namespace {
+
+constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
+
+}  // namespace
+
+struct Gradients::Program {
+  Program(const Device& device, Precision precision)
+      : program(
+            device.build(definitions(precision) + "typedef float number;\n" + programs::solves +
+                             programs::gradients,
+                         "-DITEMS=256 -DGROUPS=128 -DMOST_WIDTH=" + std::to_string(most_width))),
+        start(device, program, "start"),
+        look(device, program, "look"),
+        turn_back(device, program, "turn_back"),
+        turn(device, program, "turn"),
+        direction(device, program, "direction"),
+        product(device, program, "product"),
+        advance(device, program, "advance") {}
+  ~Program() { clReleaseProgram(program); }
+  cl_program program;
+  Kernel start, look, turn_back, turn, direction, product, advance;
+};
+
+Gradients::Gradients(const Device& device, Precision precision)
+    : device_(device),
+      precision_(precision),
+      solves_(device, precision),
+      full_start_(device),
+      entries_(device),
+      columns_(device),
+      is_fixed_(device),
+      values_(device),
+      turns_(device),
+      row_of_(device),
+      position_(device),
+      b_(device),
+      x_(device),
+      r_(device),
+      z_(device),
+      p_(device),
+      q_(device),
+      factor_b_(device),
+      factor_x_(device),
+      size2_(device),
+      residual2_(device),
+      rz_{Buffer(device), Buffer(device)},
+      pq_(device),
+      status_(device),
+      statuses_(device, 3 * sizeof(GradientStatus<double>)) {}
+
+Gradients::~Gradients() = default;
+
+template <class T>
+void Gradients::write_as(Buffer& to, const Real* from, std::size_t count) {
+  if constexpr (std::is_same_v<T, Real>) {
+    to.write(from, count * sizeof(Real));
+  } else {
+    rounded_.assign(from, from + count);
+    to.write(rounded_);
+    device_.finish();  // `rounded_` may change from now on
+  }
+}
+
+void Gradients::write_reals(Buffer& to, const Real* from, std::size_t count) {
+  if (has_double_sums(precision_))
+    write_as<double>(to, from, count);
+  else
+    write_as<float>(to, from, count);
+}
+
+void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed) {
+  nodes_ = static_cast<int>(A.nodes);
+  row_start_.assign(A.row_start.begin(), A.row_start.end());
+  column_.assign(A.column.begin(), A.column.end());
+  fixed_.assign(fixed.begin(), fixed.end());
+  fixed_.resize(static_cast<std::size_t>(A.nodes), 0);
+  const auto n = static_cast<std::size_t>(A.nodes);
+  // Both triangles: entry 2 s is block s, 2 s + 1 its transpose.
+  std::vector<std::int32_t> start(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::int32_t s = row_start_[i]; s < row_start_[i + 1]; ++s) {
+      const auto j = static_cast<std::size_t>(column_[static_cast<std::size_t>(s)]);
+      ++start[i + 1];
+      if (j != i) ++start[j + 1];
+    }
+  for (std::size_t i = 0; i < n; ++i) start[i + 1] += start[i];
+  std::vector<std::int32_t> entries(static_cast<std::size_t>(start[n])), columns = entries,
+                                                                         next = start;
+  const auto put = [&](std::size_t row, std::int32_t entry, std::size_t column) {
+    const auto at = static_cast<std::size_t>(next[row]++);
+    entries[at] = entry;
+    columns[at] = static_cast<std::int32_t>(column);
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::int32_t s = row_start_[i]; s < row_start_[i + 1]; ++s) {
+      const auto j = static_cast<std::size_t>(column_[static_cast<std::size_t>(s)]);
+      put(i, 2 * s, j);
+      if (j != i) put(j, 2 * s + 1, i);
+    }
+  full_start_.write(start);
+  entries_.write(entries);
+  columns_.write(columns);
+  is_fixed_.write(fixed_);
+  const std::size_t real = has_double_sums(precision_) ? 8 : 4, vector = 3 * n * real;
+  for (Buffer* b : {&b_, &x_, &r_, &z_, &p_, &q_}) b->reserve(vector);
+  for (Buffer* b : {&size2_, &residual2_, &rz_[0], &rz_[1], &pq_}) b->reserve(groups * real);
+  device_.finish();  // of the vectors above
+}
+
+void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
+  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
+  if (A.nodes != nodes_ || !std::ranges::equal(A.row_start, row_start_) ||
+      !std::ranges::equal(A.column, column_) ||
+      !std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
+    set_pattern(A, fixed);
+  const std::size_t count = 9 * column_.size();
+  if (stores_double(precision_))
+    write_as<double>(values_, A.values, count);
+  else
+    write_as<float>(values_, A.values, count);
+}
+
+void Gradients::set_factor(const SupernodalFactor& factor) {
+  solves_.set_factor(factor);
+  row_of_.write(factor.row_of);
+  std::vector<std::int32_t> position(static_cast<std::size_t>(3 * nodes_), -1);
+  for (std::size_t k = 0; k < factor.row_of.size(); ++k)
+    position[static_cast<std::size_t>(factor.row_of[k])] = static_cast<std::int32_t>(k);
+  position_.write(position);
+  const std::size_t real = has_double_sums(precision_) ? 8 : 4;
+  for (Buffer* b : {&factor_b_, &factor_x_})
+    b->reserve(static_cast<std::size_t>(factor.size) * real);
+  device_.finish();
+}
+
+void Gradients::set_turns(std::span<const Mat3> turns) {
+  write_reals(turns_, turns.front().data(), 9 * turns.size());
+}
+
+void Gradients::product() {
+  program_->product(groups * items, items, nodes_, full_start_, entries_, columns_, values_,
+                    is_fixed_, p_, q_, pq_, status_);
+}
+
+void Gradients::precondition(const Buffer& rz) {
+  const auto size = static_cast<cl_int>(solves_.size());
+  program_->turn_back(static_cast<std::size_t>(size), items, size, row_of_, turns_, r_, factor_b_,
+                      status_);
+  solves_.solve(factor_b_, factor_x_, status_);
+  program_->turn(groups * items, items, nodes_, position_, turns_, factor_x_, r_, z_, rz, status_);
+}
+
+template <class T>
+GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b,
+                                    const Eigen::Ref<const VecX>& x) {
+  auto* status = new (statuses_.data()) GradientStatus<T>[3];
+  status_.write(&status[2], sizeof(status[2]));
+  const auto rows = static_cast<std::size_t>(3 * nodes_);
+  write_as<T>(b_, b.data(), rows);
+  write_as<T>(x_, x.data(), rows);
+  program_->start(groups * items, items, nodes_, full_start_, entries_, columns_, values_,
+                  is_fixed_, b_, x_, r_, size2_, residual2_);
+  return status;
+}
+
+void Gradients::begin(const Eigen::Ref<const VecX>& b) {
+  const VecX x = VecX::Zero(b.size());
+  if (has_double_sums(precision_))
+    start<double>(b, x);
+  else
+    start<float>(b, x);
+  device_.finish();
+}
+
+template <class T>
+ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const VecX>& b,
+                                                      Eigen::Ref<VecX> x, Real tolerance,
+                                                      Index max_iterations) {
+  const auto rows = static_cast<std::size_t>(3 * nodes_);
+  const auto most = static_cast<int>(max_iterations);
+  GradientStatus<T>* status = start<T>(b, x);
+  Program& p = *program_;
+  constexpr std::size_t all = groups * items;
+  const auto look = [&](int iteration) {
+    p.look(items, items, iteration, static_cast<T>(tolerance), most, size2_, residual2_, status_);
+  };
+  look(0);
+  // One iteration ahead of what is known of the last: the device never waits. Once it is done, the
+  // kernels of the one too many return at once.
+  Event known[2];
+  status_.read_later(&status[0], sizeof(status[0]), known[0]);
+  int last = 0;
+  for (int k = 1; k <= most; ++k) {
+    precondition(rz_[k & 1]);
+    p.direction(all, items, k == 1 ? 1 : 0, static_cast<cl_int>(rows), rz_[k & 1], rz_[(k & 1) ^ 1],
+                z_, p_, status_);
+    product();
+    p.advance(all, items, static_cast<cl_int>(rows), rz_[k & 1], pq_, p_, q_, x_, r_, residual2_,
+              status_);
+    look(k);
+    status_.read_later(&status[k & 1], sizeof(status[0]), known[k & 1]);
+    known[(k & 1) ^ 1].wait(device_);
+    last = k;
+    if (status[(k & 1) ^ 1].done) break;
+  }
+  if constexpr (std::is_same_v<T, Real>) {
+    x_.read(x.data(), rows * sizeof(T));
+  } else {
+    rounded_.resize(rows);
+    x_.read(rounded_);
+    for (std::size_t i = 0; i < rows; ++i) x[static_cast<Index>(i)] = rounded_[i];
+  }
+  const GradientStatus<T>& end = status[last & 1];
+  ConjugateGradientDevice::Report report;
+  report.iterations = end.iterations;
+  report.residual =
+      end.size > 0 ? static_cast<Real>(end.residual) / static_cast<Real>(end.size) : Real(0);
+  report.converged = end.failed == 0 && report.residual <= tolerance;
+  return report;
+}
+
+ConjugateGradientDevice::Report Gradients::solve(const Eigen::Ref<const VecX>& b,
+                                                 Eigen::Ref<VecX> x, Real tolerance,
+                                                 Index max_iterations) {
+  if (has_double_sums(precision_)) return solve_with<double>(b, x, tolerance, max_iterations);
+  return solve_with<float>(b, x, tolerance, max_iterations);
+}
+
+}  // namespace sutura::opencl

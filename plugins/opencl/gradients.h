@@ -1,0 +1,93 @@
+// Conjugate gradients on an OpenCL device: the kernels of gradients.cl and solves.cl, and what they
+// need.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "device.h"
+#include "panels.h"
+#include "precision.h"
+
+namespace sutura::opencl {
+
+/// (L L^T)^-1 on the device, in the order of the factor.
+class Solves {
+ public:
+  Solves(const Device& device, Precision precision);
+  ~Solves();
+  void set_factor(const SupernodalFactor& factor);
+  Index size() const { return size_; }
+  const std::vector<std::int32_t>& row_of() const { return row_of_; }
+  /// x <- (L L^T)^-1 b, unless *done.
+  void solve(const Buffer& b, const Buffer& x, const Buffer& done);
+  std::size_t launches() const { return 2 + 4 * schedule_.levels.size(); }
+
+ private:
+  struct Program;
+  Program& program(bool rough);
+  bool same_pattern(const SupernodalFactor& factor) const;
+
+  const Device& device_;
+  Precision precision_;
+  Index size_ = 0;
+  Schedule schedule_;
+  std::vector<std::int32_t> first_column_, row_, row_of_;  // the pattern that `schedule_` is for
+  std::unique_ptr<Program> program_;
+  Buffer panels_, gather_start_, gather_, rows_, subtree_start_, subtree_, row_tasks_, below_tasks_,
+      column_tasks_, value_, inverse_, below_, y_;
+};
+
+/// As in gradients.cl.
+template <class T>
+struct GradientStatus {
+  cl_int done = 0, iterations = 0, failed = 0, unused = 0;
+  T size = 0, residual = 0;
+};
+
+class Gradients {
+ public:
+  Gradients(const Device& device, Precision precision);
+  ~Gradients();
+
+  void set_matrix(const NodeMatrixView& A, std::span<const char> fixed);
+  void set_factor(const SupernodalFactor& factor);
+  void set_turns(std::span<const Mat3> turns);
+  ConjugateGradientDevice::Report solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
+                                        Real tolerance, Index max_iterations);
+  /// For benchmarks, after `begin`: one product with A, one application of P^-1; enqueued, not
+  /// waited for.
+  void begin(const Eigen::Ref<const VecX>& b);
+  void product();
+  void precondition() { precondition(rz_[0]); }
+  const Solves& solves() const { return solves_; }
+
+ private:
+  struct Program;
+  template <class T>
+  ConjugateGradientDevice::Report solve_with(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
+                                             Real tolerance, Index max_iterations);
+  template <class T>
+  void write_as(Buffer& to, const Real* from, std::size_t count);
+  /// The status: nothing is done yet. r <- b - A x.
+  template <class T>
+  GradientStatus<T>* start(const Eigen::Ref<const VecX>& b, const Eigen::Ref<const VecX>& x);
+  void write_reals(Buffer& to, const Real* from, std::size_t count);
+  void set_pattern(const NodeMatrixView& A, std::span<const char> fixed);
+  /// z <- P^-1 r, rz <- r . z.
+  void precondition(const Buffer& rz);
+
+  const Device& device_;
+  Precision precision_;
+  Solves solves_;
+  std::unique_ptr<Program> program_;
+  int nodes_ = 0;
+  std::vector<std::int32_t> row_start_, column_;  // the pattern on the device
+  std::vector<char> fixed_;
+  Buffer full_start_, entries_, columns_, is_fixed_, values_, turns_, row_of_, position_;
+  Buffer b_, x_, r_, z_, p_, q_, factor_b_, factor_x_, size2_, residual2_, rz_[2], pq_, status_;
+  std::vector<float> rounded_;
+  Pinned statuses_;  // three: the last two, and how an iteration begins
+};
+
+}  // namespace sutura::opencl

@@ -1,0 +1,12 @@
+# The text of the kernels becomes part of the plugin: a run needs no file beside it.
+set(SUTURA_OPENCL_PROGRAMS ${CMAKE_CURRENT_BINARY_DIR}/opencl_programs.cpp)
+set(programs "namespace sutura::opencl::programs {\n")
+foreach(name laws sweep solves gradients)
+  set(file ${CMAKE_CURRENT_SOURCE_DIR}/opencl/${name}.cl)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(READ ${file} text)
+  string(APPEND programs "extern const char* const ${name};\nconst char* const ${name} = R\"cl(${text})cl\";\n")
+endforeach()
+string(APPEND programs "}\n")
+file(CONFIGURE OUTPUT ${SUTURA_OPENCL_PROGRAMS} CONTENT "${programs}" @ONLY)
+target_sources(sutura_opencl_parts PRIVATE ${SUTURA_OPENCL_PROGRAMS})

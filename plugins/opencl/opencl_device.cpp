@@ -1,0 +1,109 @@
+#include "opencl_device.h"
+
+namespace sutura::opencl {
+
+void OpenClDevice::describe(Describe<OpenClDevice>& d) {
+  d.summary(
+      "A GPU or another OpenCL device. A solver that names it in its attribute 'device' computes "
+      "there; nothing else changes.");
+  d.theory(
+      "GaussSeidel sweeps on it, AsyncPreconditioner runs its conjugate gradients on it. Both "
+      "still "
+      "decide on the CPU, in double precision and with the laws themselves, when a problem is "
+      "solved. `sutura describe --devices` lists the devices of a machine. docs/theory/opencl.md "
+      "says how it works and from which size on it pays.");
+  d.attribute("device", &OpenClDevice::device,
+              "Part of the name of the device, as in \"H200\"; empty: any.");
+  d.attribute("type", &OpenClDevice::type, {"any", "gpu", "cpu", "accelerator"},
+              "What kind of device.");
+  d.attribute("index", &OpenClDevice::index, between(0, 1000),
+              "Which one of those of this name and type, in the order of the list.");
+  d.attribute(
+      "precision", &OpenClDevice::precision, {"auto", "double", "mixed", "single"},
+      "double: everywhere; mixed: matrices in single precision, sums in double; single: for "
+      "devices that have nothing else; auto: double where the device has it.");
+  d.attribute(
+      "on_failure", &OpenClDevice::on_failure, {"stop", "cpu"},
+      "Where there is no such device, it is lost, or it cannot do what is asked (a law that "
+      "it does not know): the run stops, or the CPU takes over in the same step.");
+  d.output("used", "", "Name of the device; empty where the CPU has taken over.",
+           [](const OpenClDevice& c) {
+             return c.device_ && !c.lost_ ? c.device_->name() : std::string();
+           });
+  d.output("message", "", "Why the CPU has taken over; empty if it has not.",
+           [](const OpenClDevice& c) { return c.why_not_; });
+}
+
+void OpenClDevice::initialise(Setup& setup) {
+  try {
+    device_ = std::make_unique<Device>(DeviceChoice{device, type, index});
+    in_use_ = choose(precision, *device_);
+    sweeps_ = std::make_unique<Sweeps>(*device_, in_use_);
+    gradients_ = std::make_unique<Gradients>(*device_, in_use_);
+  } catch (const DeviceError& e) {
+    why_not_ = e.what();
+    lost_ = true;
+    if (on_failure == OnFailure::stop)
+      setup.error(*this, why_not_ + "; on_failure=\"cpu\" would let the CPU do its work",
+                  Category::plugin);
+    else
+      setup.warning(*this, why_not_ + "; the CPU does its work", Category::plugin);
+  }
+}
+
+template <class Work>
+bool OpenClDevice::attempt(const Work& work) {
+  if (lost_) return false;
+  try {
+    why_not_ = work();
+  } catch (const DeviceError& e) {
+    lost_ = true;
+    why_not_ = e.what();
+  }
+  if (why_not_.empty()) return true;
+  if (on_failure == OnFailure::stop) throw DeviceError(why_not_);
+  why_not_ += "; the CPU has taken over";
+  return false;
+}
+
+bool OpenClDevice::load(const ConstraintProblem& problem) {
+  return attempt([&] { return sweeps_->load(problem); });
+}
+
+bool OpenClDevice::sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) {
+  return attempt([&] {
+    sweeps_->sweep(problem, orders);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
+  return attempt([&] {
+    gradients_->set_matrix(A, fixed);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::set_factor(const SupernodalFactor& factor) {
+  return attempt([&] {
+    gradients_->set_factor(factor);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::set_turns(std::span<const Mat3> turns) {
+  return attempt([&] {
+    gradients_->set_turns(turns);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
+                         Index max_iterations, ConjugateGradientDevice::Report& report) {
+  return attempt([&] {
+    report = gradients_->solve(b, x, tolerance, max_iterations);
+    return std::string();
+  });
+}
+
+}  // namespace sutura::opencl

@@ -1,0 +1,58 @@
+// An OpenCL device as a component of a scene. Solvers that name it compute there.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "gradients.h"
+#include "sutura/component.h"
+#include "sutura/describe.h"
+#include "sutura/device.h"
+#include "sweeps.h"
+
+namespace sutura::opencl {
+
+enum class OnFailure { stop, cpu };
+
+class OpenClDevice : public Component, public SweepDevice, public ConjugateGradientDevice {
+ public:
+  std::string device;
+  DeviceType type = DeviceType::any;
+  Index index = 0;
+  Precision precision = Precision::automatic;
+  OnFailure on_failure = OnFailure::stop;
+
+  static void describe(Describe<OpenClDevice>& d);
+  void initialise(Setup& setup) override;
+
+  bool load(const ConstraintProblem& problem) override;
+  bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) override;
+  bool is_rough() const override { return in_use_ != Precision::double_; }
+
+  bool claim() override { return !std::exchange(claimed_, true); }
+  bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) override;
+  bool set_factor(const SupernodalFactor& factor) override;
+  bool set_turns(std::span<const Mat3> turns) override;
+  bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
+             Index max_iterations, ConjugateGradientDevice::Report& report) override;
+
+  const std::string& why_not() const override { return why_not_; }
+  /// The device, null where there is none. For tests, which lose it.
+  Device* opened() { return device_.get(); }
+
+ private:
+  /// Does it unless the device is lost, and says whether it was done. A device that has failed once
+  /// is not asked again.
+  template <class Work>
+  bool attempt(const Work& work);
+
+  std::unique_ptr<Device> device_;
+  Precision in_use_ = Precision::double_;
+  std::unique_ptr<Sweeps> sweeps_;
+  std::unique_ptr<Gradients> gradients_;
+  bool lost_ = false, claimed_ = false;
+  std::string why_not_;
+};
+
+}  // namespace sutura::opencl

@@ -1,0 +1,50 @@
+// A supernodal factor cut into panels, and who works on which of them when.
+//
+// A panel is some columns of a supernode, at most `most_width`. Its front is its column rows and
+// the rows below. Solving forward, a panel gathers from the panels whose rows below end in its
+// front (its children) what they leave, solves its columns and leaves the rest to its own parent:
+// nothing is added by two at once, so the sums have one order. Small subtrees are the work of one
+// group each; above them all panels whose children are done are worked on together, level by level.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sutura/device.h"
+
+namespace sutura::opencl {
+
+/// As `Panel` in solves.cl.
+struct Panel {
+  std::int32_t first, width, height;  ///< columns; rows of the front
+  std::int32_t stride, value;         ///< of its numbers in the factor
+  std::int32_t row;                   ///< its rows in the list of all
+  std::int32_t below;                 ///< what it leaves, in the list of all
+  std::int32_t front;                 ///< its front, in the list of all
+  std::int32_t inverse;               ///< of its columns, width x width
+};
+
+/// A group's work: a panel and which part of it.
+using Task = std::array<std::int32_t, 2>;
+
+struct Schedule {
+  std::vector<Panel> panels;
+  std::vector<std::int32_t> gather_start, gather;    ///< per row of a front: entries of `below`
+  std::vector<std::int32_t> subtree_start, subtree;  ///< panels of each, children first
+  struct Level {
+    std::int32_t first_rows, rows, first_below, below;  ///< tasks of the way forward
+    std::int32_t first_columns, columns;                ///< and back
+  };
+  std::vector<Level> levels;
+  std::vector<Task> row_tasks, below_tasks, column_tasks;
+  std::int64_t below_size = 0, inverse_size = 0;
+};
+
+inline constexpr int most_width = 512;
+inline constexpr int tile_rows = 64, tile_columns = 8;  ///< of a task
+
+/// `subtree_values`: entries of the factor that make a subtree large.
+Schedule make_schedule(const SupernodalFactor& factor, std::int64_t subtree_values);
+
+}  // namespace sutura::opencl

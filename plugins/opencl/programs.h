@@ -1,0 +1,11 @@
+// The text of the .cl files beside this one, which the build puts into the plugin.
+#pragma once
+
+namespace sutura::opencl::programs {
+
+extern const char* const laws;
+extern const char* const sweep;
+extern const char* const solves;
+extern const char* const gradients;
+
+}  // namespace sutura::opencl::programs

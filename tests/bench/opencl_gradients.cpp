@@ -1,0 +1,132 @@
+// Conjugate gradients of a tissue, on the device and on one core of the CPU.
+#include <cstdio>
+
+#include "gradients.h"
+#include "opencl_bench.h"
+#include "pcg.h"
+#include "tissue_pad.h"
+
+namespace sutura::opencl {
+namespace {
+
+using bench::Pad;
+
+constexpr Real tolerance = 1e-4;  // the default of AsyncPreconditioner
+
+/// A pad whose upper side has been turned by 30 degrees since its factor was made.
+struct Twisted {
+  explicit Twisted(std::array<int, 3> cells)
+      : pad(cells, 0.004, {.young = 1e4, .poisson = 0.45, .density = 1000}, 0.016, false) {
+    pad.assemble();
+    factor = tissue::make_factor(
+        tissue::make_factor_plan(pad.A.pattern(), pad.fixed, {}, tissue::default_backend()));
+    factor->keep_rough();
+    const bench::Clock clock;
+    factor->factorise(pad.A);
+    factor_ms = clock.wall_ms();
+    for (Index i = 0; i < pad.nodes(); ++i) {
+      Vec3 p = pad.x.segment<3>(3 * i) - pad.size / 2;
+      const Real angle = 0.5 * pad.x[3 * i + 2] / pad.size.z();
+      p = Eigen::AngleAxis<Real>(angle, Vec3::UnitZ()) * p;
+      pad.x.segment<3>(3 * i) = p + pad.size / 2;
+    }
+    pad.assemble();
+    pad.find_rotations();
+  }
+  Pad pad;
+  std::unique_ptr<tissue::Factor> factor;
+  double factor_ms = 0;
+};
+
+}  // namespace
+
+bool bench_gradients(const Device& device, const Limits& limits, const std::filesystem::path& out,
+                     Index most_nodes) {
+  std::ofstream csv(out / "gradients.csv");
+  csv << "nodes,entries of L,precision,product us,floor us,P^-1 us,floor us,launches,solve us,"
+         "iterations,CPU solve us,CPU iterations,matrix us,turns us,factor us\n";
+  std::printf(
+      "\nConjugate gradients to 1e-4, microseconds; floor: bytes over the bandwidth, launches\n"
+      "  nodes  L [M] precision product floor     P^-1 floor launches    solve it      CPU it "
+      "  matrix  turns   factor (made in ms)\n");
+  for (const std::array<int, 3> cells :
+       {std::array{16, 16, 6}, {25, 25, 7}, {35, 35, 8}, {45, 45, 9}, {63, 63, 12}}) {
+    if ((cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1) > most_nodes) continue;
+    const Twisted twisted(cells);
+    const Pad& pad = twisted.pad;
+    SupernodalFactor supernodes;
+    if (!twisted.factor->supernodes(supernodes)) {
+      std::printf("  this build has no supernodal factor (CHOLMOD): nothing to measure\n");
+      return true;
+    }
+    VecX b = pad.tool(0, 1);
+    tissue::WarpedFactor warped;
+    const std::vector<Mat3> then(pad.rotations.size(), Mat3::Identity());
+    warped.set(*twisted.factor, then, pad.rotations, true);
+    tissue::Pcg pcg;
+    GrowingMat x;
+    tissue::PcgReport cpu;
+    const double cpu_time =
+        microseconds([&] { cpu = pcg.solve(pad.A, pad.fixed, warped, b, x, tolerance, 200); });
+    const NodeMatrixView view{pad.nodes(), pad.A.pattern()->row_start(), pad.A.pattern()->column(),
+                              pad.A.values()};
+    const double nodes = static_cast<double>(pad.nodes()),
+                 slots = static_cast<double>(view.column.size()),
+                 entries = static_cast<double>(supernodes.value.size());
+    for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
+      if (precision != Precision::single && !device.has_double()) continue;
+      const char* word = precision == Precision::double_ ? "double"
+                         : precision == Precision::mixed ? "mixed"
+                                                         : "single";
+      Gradients gradients(device, precision);
+      gradients.set_matrix(view, pad.fixed);
+      const double factor = microseconds([&] { gradients.set_factor(supernodes); });
+      const auto time = [&](const auto& work) {
+        return microseconds([&] {
+          work();
+          device.finish();
+        });
+      };
+      const double matrix = time([&] { gradients.set_matrix(view, pad.fixed); });
+      const double turns = time([&] { gradients.set_turns(pad.rotations); });
+      VecX answer = VecX::Zero(b.size());
+      ConjugateGradientDevice::Report report;
+      const double solve = microseconds([&] {
+        answer.setZero();
+        report = gradients.solve(b, answer, tolerance, 200);
+      });
+      // They stop where the iteration has ended, so it is begun anew.
+      gradients.begin(b);
+      const double product = time([&] {
+                               for (int i = 0; i < 20; ++i) gradients.product();
+                             }) /
+                             20;
+      const double apply = time([&] {
+                             for (int i = 0; i < 5; ++i) gradients.precondition();
+                           }) /
+                           5;
+      const double number = precision == Precision::single ? 4 : 8,
+                   store = precision == Precision::double_ ? 8 : 4;
+      const double launches = static_cast<double>(gradients.solves().launches() + 2);
+      // Every block is read for its own row and that of its transpose; indices are two ints each.
+      const double product_floor =
+          limits.launch +
+          (slots * 9 * store + 2 * slots * 8 + nodes * 6 * number) / limits.bandwidth;
+      const double apply_floor =
+          launches * limits.launch + (2 * entries * 4 + nodes * 30 * number) / limits.bandwidth;
+      std::printf(
+          "%7.0f %6.1f %-9s %7.1f %5.1f %8.1f %5.0f %8.0f %8.0f %2td %8.0f %2td %8.0f %6.0f %8.0f "
+          "(%.0f)\n",
+          nodes, entries / 1e6, word, product, product_floor, apply, apply_floor, launches, solve,
+          report.iterations, cpu_time, cpu.iterations, matrix, turns, factor, twisted.factor_ms);
+      std::fflush(stdout);
+      csv << nodes << ',' << entries << ',' << word << ',' << product << ',' << product_floor << ','
+          << apply << ',' << apply_floor << ',' << launches << ',' << solve << ','
+          << report.iterations << ',' << cpu_time << ',' << cpu.iterations << ',' << matrix << ','
+          << turns << ',' << factor << '\n';
+    }
+  }
+  return static_cast<bool>(csv);
+}
+
+}  // namespace sutura::opencl

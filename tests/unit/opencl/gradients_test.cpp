@@ -1,0 +1,205 @@
+// Conjugate gradients on a device: the same equations as on the CPU, solved to the same residual.
+#include "gradients.h"
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "async_solver.h"
+#include "bench/tissue_pad.h"
+#include "opencl_device.h"
+#include "some_device.h"
+
+namespace sutura::opencl {
+namespace {
+
+using bench::Pad;
+using tissue::Factor;
+using tissue::FactorBackend;
+
+constexpr tissue::Material soft{.young = 1e4, .poisson = 0.45, .density = 1000};
+
+class DeviceGradients : public OnDevice {
+ protected:
+  void SetUp() override {
+    OnDevice::SetUp();
+    if (IsSkipped()) return;
+    if (!device_->has_double()) GTEST_SKIP() << "no double precision";
+    if (!tissue::has_backend(FactorBackend::cholmod)) GTEST_SKIP() << "no supernodes";
+  }
+};
+
+VecX random_vector(Index size) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<Real> some(-1, 1);
+  VecX out(size);
+  for (Real& x : out) x = some(random);
+  return out;
+}
+
+Real difference(const VecX& a, const VecX& b) {
+  return (a - b).norm() / b.norm();
+}
+
+std::unique_ptr<Factor> factor_of(const Pad& pad, bool rough, std::span<const Index> last = {}) {
+  auto factor = tissue::make_factor(
+      tissue::make_factor_plan(pad.A.pattern(), pad.fixed, last, FactorBackend::cholmod));
+  if (rough) factor->keep_rough();
+  EXPECT_TRUE(factor->factorise(pad.A));
+  return factor;
+}
+
+NodeMatrixView view(const Pad& pad) {
+  return {pad.nodes(), pad.A.pattern()->row_start(), pad.A.pattern()->column(), pad.A.values()};
+}
+
+// Solved with nothing but the factor. Sizes so that there is one subtree only; subtrees and levels;
+// and, with 300 nodes eliminated last, columns of more than one panel.
+TEST_F(DeviceGradients, AFactorSolvesAsOnTheCpu) {
+  for (const int cells : {2, 9, 14})
+    for (const bool rough : {false, true}) {
+      SCOPED_TRACE(std::to_string(cells) + (rough ? " rough" : ""));
+      Pad pad({cells, cells, 6}, 0.004, soft, 0.01, false);
+      pad.assemble();
+      std::vector<Index> last;
+      for (Index i = pad.nodes() - 300; i < pad.nodes() && cells > 9; ++i) last.push_back(i);
+      const auto factor = factor_of(pad, rough, last);
+      SupernodalFactor supernodes;
+      ASSERT_TRUE(factor->supernodes(supernodes));
+
+      MatX ours = random_vector(3 * pad.nodes());
+      const VecX asked = ours.col(0);
+      factor->solve(ours);
+      Solves solves(*device_, Precision::double_);
+      solves.set_factor(supernodes);
+      Buffer b(*device_), x(*device_), done(*device_);
+      std::vector<double> in, out(static_cast<std::size_t>(solves.size()));
+      for (const std::int32_t row : supernodes.row_of) in.push_back(asked[row]);
+      const std::vector<cl_int> no(4, 0);
+      b.write(in);
+      x.write(out);
+      done.write(no);
+      solves.solve(b, x, done);
+      x.read(out);
+      VecX theirs = VecX::Zero(asked.size());
+      for (std::size_t k = 0; k < out.size(); ++k) theirs[supernodes.row_of[k]] = out[k];
+      // The condition of A is some thousand; single precision has 6e-8.
+      EXPECT_LT(difference(theirs, ours.col(0)), rough ? 1e-4 : 1e-11);
+    }
+}
+
+TEST_F(DeviceGradients, SolveTheEquationsToTheTolerance) {
+  for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
+    Pad pad({8, 7, 5}, 0.004, soft, 0.01, false);
+    pad.assemble();
+    const auto factor = factor_of(pad, true);
+    SupernodalFactor supernodes;
+    ASSERT_TRUE(factor->supernodes(supernodes));
+    // The matrix has changed since, and the factor has been turned about: eight iterations or so.
+    std::vector<Mat3> turns(static_cast<std::size_t>(pad.nodes()), Mat3::Identity());
+    for (std::size_t i = 0; i < turns.size(); i += 3)
+      turns[i] = Eigen::AngleAxis<Real>(0.1, Vec3::UnitX()).toRotationMatrix();
+    pad.A.add_diagonal(pad.mass, 2);
+
+    Gradients gradients(*device_, precision);
+    gradients.set_matrix(view(pad), pad.fixed);
+    gradients.set_factor(supernodes);
+    gradients.set_turns(turns);
+    const VecX b = random_vector(3 * pad.nodes());
+    VecX x = VecX::Zero(b.size()), again = x;
+    const Real tolerance = precision == Precision::double_ ? 1e-10 : 1e-4;
+    const auto report = gradients.solve(b, x, tolerance, 200);
+    EXPECT_TRUE(report.converged);
+    EXPECT_GT(report.iterations, 2);
+    EXPECT_LT(report.iterations, 60);
+
+    VecX Ax, free = b;
+    pad.A.multiply(x, Ax);
+    for (Index i = 0; i < pad.nodes(); ++i)
+      if (pad.fixed[static_cast<std::size_t>(i)]) {
+        EXPECT_TRUE(x.segment<3>(3 * i).isZero(0));
+        Ax.segment<3>(3 * i).setZero();
+        free.segment<3>(3 * i).setZero();
+      }
+    // The residual of the iteration is carried along; a few roundings part it from the true one.
+    EXPECT_LT(difference(Ax, free), 2 * tolerance);
+    gradients.solve(b, again, tolerance, 200);
+    EXPECT_TRUE(x == again) << "not the same bits";
+  }
+}
+
+TEST_F(DeviceGradients, SayWhereTheyDoNotConverge) {
+  Pad pad({4, 4, 4}, 0.004, soft, 0.01, false);
+  pad.assemble();
+  const auto factor = factor_of(pad, true);
+  SupernodalFactor supernodes;
+  ASSERT_TRUE(factor->supernodes(supernodes));
+  const std::vector<Mat3> turns(static_cast<std::size_t>(pad.nodes()), Mat3::Identity());
+  pad.A.set_zero();
+  pad.A.add_diagonal(pad.mass, -1);  // not positive definite
+  Gradients gradients(*device_, Precision::double_);
+  gradients.set_matrix(view(pad), pad.fixed);
+  gradients.set_factor(supernodes);
+  gradients.set_turns(turns);
+  const VecX b = random_vector(3 * pad.nodes());
+  VecX x = VecX::Zero(b.size());
+  EXPECT_FALSE(gradients.solve(b, x, 1e-6, 50).converged);
+  EXPECT_TRUE(x.allFinite());
+}
+
+/// What a Tissue does, with a tool that moves over it; returns where the nodes end.
+VecX run(tissue::AsyncSolver& solver, Index steps, std::vector<std::string>* messages = nullptr) {
+  Pad pad({8, 8, 5}, 0.004, soft, 0.01, false);
+  solver.analyse(pad.A.pattern(), pad.fixed, {});
+  for (Index step = 0; step < steps; ++step) {
+    pad.step(solver, step, pad.tool(step, 0.2));
+    EXPECT_TRUE(solver.report().converged);
+    if (messages != nullptr) messages->push_back(solver.report().message);
+  }
+  return pad.x;
+}
+
+tissue::AsyncOptions exact() {
+  tissue::AsyncOptions out;
+  out.tolerance = 1e-9;
+  out.lag = 3;
+  return out;
+}
+
+std::unique_ptr<OpenClDevice> lenient() {
+  auto out = std::make_unique<OpenClDevice>();
+  out->on_failure = OnFailure::cpu;
+  Diagnostics diagnostics;
+  Setup setup{.diagnostics = diagnostics, .scene_directory = {}, .output_directory = {}};
+  out->initialise(setup);
+  return out;
+}
+
+// Both end within the tolerance of the equations, which is what they may differ by.
+TEST_F(DeviceGradients, ATissueMovesAsOnTheCpu) {
+  const tissue::AsyncOptions options = exact();
+  tissue::AsyncSolver cpu(options), there(options);
+  const auto device = lenient();
+  there.set_device(device.get());
+  std::vector<std::string> messages;
+  const VecX ours = run(cpu, 12), theirs = run(there, 12, &messages);
+  for (const std::string& m : messages) EXPECT_EQ(m, "");
+  const VecX rest = Pad({8, 8, 5}, 0.004, soft, 0.01, false).x;
+  EXPECT_GT((ours - rest).norm(), 1e-3);
+  EXPECT_LT((ours - theirs).norm(), 1e-6 * (ours - rest).norm());
+}
+
+TEST_F(DeviceGradients, TheCpuTakesOverInTheSameStep) {
+  const tissue::AsyncOptions options = exact();
+  tissue::AsyncSolver cpu(options), there(options);
+  const auto device = lenient();
+  device->opened()->lose();
+  there.set_device(device.get());
+  std::vector<std::string> messages;
+  const VecX ours = run(cpu, 4), theirs = run(there, 4, &messages);
+  EXPECT_TRUE(ours == theirs) << "the CPU would have found other bits";
+  for (const std::string& m : messages)
+    EXPECT_NE(m.find("the CPU has taken over"), std::string::npos) << m;
+}
+
+}  // namespace
+}  // namespace sutura::opencl
