@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "pose_maths.h"
 #include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/curve_segments.h"
+#include "sutura/geometry/poses.h"
 
 namespace sutura::contact {
 

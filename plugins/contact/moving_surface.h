@@ -35,6 +35,8 @@ class MovingSurface {
   }
   /// May p be inside of the solid? If not, it is not.
   bool bounds(const Vec3& p) const { return !boxes_.empty() && boxes_[0].squared_distance(p) == 0; }
+  /// Diagonal of the box around it, along the axes (m).
+  Real size() const { return boxes_.empty() ? 0 : (boxes_[0].high - boxes_[0].low).norm(); }
   /// How deep a point is inside of the solid, now (m); 0 outside.
   Real depth(const Vec3& p) const;
   /// Nodes of the surface by ascending number, each as a corner of one of its triangles.

@@ -1,7 +1,7 @@
 #include "rigid_tool.h"
 
-#include "pose_maths.h"
 #include "sutura/archive.h"
+#include "sutura/geometry/poses.h"
 
 namespace sutura::contact {
 

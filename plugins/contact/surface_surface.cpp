@@ -244,7 +244,8 @@ Real SurfaceSurface::distance() const {
   // Of one with itself only what faces each other counts, wider and wider until something does.
   add_normals(now.first_, now.normals_first_);
   std::vector<Touch> touches;
-  for (Real reach = margin * edge_length(); touches.empty() && reach < 1e3; reach *= 4)
+  const Real widest = now.first_.size();
+  for (Real reach = margin * now.edge_length(); touches.empty() && reach < widest; reach *= 4)
     now.meet(false, reach, touches);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const Touch& t : touches) smallest = std::min(smallest, t.gap);

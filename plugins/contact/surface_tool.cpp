@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pose_maths.h"
+#include "sutura/geometry/poses.h"
 
 namespace sutura::contact {
 namespace {

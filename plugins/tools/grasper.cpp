@@ -1,26 +1,15 @@
 #include "grasper.h"
 
 #include "sutura/archive.h"
+#include "sutura/geometry/poses.h"
 #include "sutura/units.h"
 
 namespace sutura::tools {
-namespace {
-
-Pose compose(const Pose& a, const Pose& b) {
-  return {a.position + a.rotation * b.position, (a.rotation * b.rotation).normalized()};
-}
-
-Pose inverse(const Pose& a) {
-  const Quat back = a.rotation.conjugate();
-  return {-(back * a.position), back};
-}
-
-}  // namespace
-
 void Grasper::describe(Describe<Grasper>& d) {
   d.summary(
       "Jaws that close on one section of a needle or thread at stated times and carry it along a "
-      "track until they let go.");
+      "track until they let go. The section is named by its abscissa; Forceps take what is "
+      "between them.");
   d.theory(
       "When the jaws close, at the start of the first step at or after the time of grasp, the "
       "pose of the section relative to the tool is recorded, so nothing jumps. While they are "
@@ -48,7 +37,7 @@ void Grasper::describe(Describe<Grasper>& d) {
   d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
            [](const Grasper& g) -> Vec3 { return g.wrench().moment; });
   d.output("holding", "1", "1 while the jaws are closed, else 0.",
-           [](const Grasper& g) -> Real { return g.holding_ ? 1 : 0; });
+           [](const Grasper& g) -> Real { return g.holding() ? 1 : 0; });
   d.output("target", "m", "Where the jaws want the section; where they let go while they are open.",
            [](const Grasper& g) -> Vec3 { return g.target_.position; });
 }
@@ -64,7 +53,7 @@ void Grasper::initialise(Setup& setup) {
     setup.error(*this, wrong);
     return;
   }
-  schedule_ = GraspSchedule(grasp_, release_);
+  closing_.plan(GraspSchedule(grasp_, release_));
   hold_ = body_->add_hold(at_);
 }
 
@@ -73,29 +62,20 @@ void Grasper::ready(Setup&) {
 }
 
 void Grasper::archive(Archive& a) {
-  a("events", events_);
-  a("holding", holding_);
-  a("told", told_);
+  closing_.archive(a);
   a("grip", grip_);
   a("target", target_);
 }
 
 void Grasper::drive(const StepContext& context) {
-  const Index events = schedule_.events_until(context.time, 1e-6 * context.dt);
-  // A release and a grasp that fall into one step take the section anew.
-  bool changed = events != events_;
-  bool hold = changed ? events % 2 == 1 : holding_;
-  if (told_ != Told::nothing) hold = told_ == Told::grasp;
-  changed = (changed && told_ == Told::nothing) || hold != holding_;
-  events_ = events;
-  holding_ = hold;
-  told_ = Told::nothing;
-  if (!holding_) {
+  const bool changed = closing_.update(context);
+  if (!holding()) {
     if (changed) body_->release_hold(hold_);
     return;
   }
   if (changed) {
-    grip_ = compose(inverse(track_->start_pose()), body_->frame(at_, Configuration::current));
+    const Pose tool = track_->start_pose(), at = body_->frame(at_, Configuration::current);
+    grip_ = {seen_from(tool, at.position), (tool.rotation.conjugate() * at.rotation).normalized()};
   }
   target_ = compose(track_->pose(), grip_);
   body_->set_hold(hold_, target_, {stiffness_, rotation_stiffness_});

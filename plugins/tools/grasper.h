@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "grasp_schedule.h"
+#include "closing.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
@@ -22,10 +22,10 @@ class Grasper : public Component, public Driver, public Jaws {
   void drive(const StepContext& context) override;
 
   // Jaws
-  void grasp() override { told_ = Told::grasp; }
-  void release() override { told_ = Told::release; }
-  bool holding() const override { return holding_; }
-  Wrench wrench() const override { return holding_ ? body_->hold_wrench(hold_) : Wrench{}; }
+  void grasp() override { closing_.tell(true); }
+  void release() override { closing_.tell(false); }
+  bool holding() const override { return closing_.closed(); }
+  Wrench wrench() const override { return holding() ? body_->hold_wrench(hold_) : Wrench{}; }
 
  private:
   Link<CurveBody> body_;
@@ -36,15 +36,10 @@ class Grasper : public Component, public Driver, public Jaws {
   Real stiffness_ = HoldStiffness{}.translation;
   Real rotation_stiffness_ = HoldStiffness{}.rotation;
 
-  enum class Told : std::uint8_t { nothing, grasp, release };
-
-  GraspSchedule schedule_;
-  Index hold_ = -1;   ///< number of the hold in the body
-  Index events_ = 0;  ///< grasps and releases of the schedule so far
-  bool holding_ = false;
-  Told told_ = Told::nothing;  ///< by a host, since the last step
-  Pose grip_;                  ///< the section, seen from the tool, since the last grasp
-  Pose target_;                ///< where the section is to be at the end of the step
+  Closing closing_;
+  Index hold_ = -1;  ///< number of the hold in the body
+  Pose grip_;        ///< the section, seen from the tool, since the last grasp
+  Pose target_;      ///< where the section is to be at the end of the step
 };
 
 }  // namespace sutura::tools

@@ -1,6 +1,7 @@
 // The plugin "tools": what the surgeon holds.
 #include "sutura/plugin.h"
 
+#include "forceps.h"
 #include "grasper.h"
 #include "track.h"
 
@@ -8,6 +9,7 @@ namespace {
 void enrol_tools(sutura::Registry& registry) {
   registry.component<sutura::tools::Track>("Track");
   registry.component<sutura::tools::Grasper>("Grasper");
+  registry.component<sutura::tools::Forceps>("Forceps");
 }
 }  // namespace
 

@@ -3,7 +3,7 @@
 
 #include "sutura/types.h"
 
-namespace sutura::contact {
+namespace sutura {
 
 inline Vec3 at(const Pose& pose, const Vec3& local) {
   return pose.position + pose.rotation * local;
@@ -16,4 +16,4 @@ inline Pose compose(const Pose& a, const Pose& b) {
   return {at(a, b.position), (a.rotation * b.rotation).normalized()};
 }
 
-}  // namespace sutura::contact
+}  // namespace sutura

@@ -1,0 +1,367 @@
+#include "forceps.h"
+
+#include <algorithm>
+
+#include "key_frames.h"
+#include "sutura/geometry/poses.h"
+#include "sutura/laws/bilateral.h"
+#include "sutura/scene.h"
+
+namespace sutura::tools {
+namespace {
+
+// A strand is held at two sections, the points of Gauss's rule between its ends: force and moment
+// are those of a grip that is uniform along the strand.
+constexpr Real sections[] = {0.21132486540518712, 0.78867513459481288};
+
+// When less than this part of a patch is left between the jaws, it slips out: a corner of a
+// triangle cannot bear the whole of the grip.
+constexpr Real last_rest = 0.25;
+
+/// Of the section at s, across the jaws: from its centre to its surface (m).
+Vec3 arm_across(const CurveBody& curve, Real s, const Vec3& closing, Configuration c) {
+  const Vec3 tangent = curve.tangent(s, c);
+  const Vec3 across = closing - closing.dot(tangent) * tangent;
+  const Real length = across.norm();
+  return curve.radius(s) * (length > 1e-6 ? Vec3(across / length) : Vec3(tangent.unitOrthogonal()));
+}
+
+}  // namespace
+
+void Forceps::initialise(Setup& setup) {
+  source_id_ = setup.source_id;
+  if (!(axis_.norm() > 0)) {
+    setup.error(*this, "'axis' is zero; expected the direction in which the jaws close");
+    return;
+  }
+  if (const std::string wrong = GraspSchedule::check(grasp_, release_); !wrong.empty()) {
+    setup.error(*this, wrong);
+    return;
+  }
+  closing_.plan(GraspSchedule(grasp_, release_));
+  space_.half = size_ / 2;
+  const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
+  as_modelled_ = {centre_, (rotation_from_vector(rotation_) * laid).normalized()};
+  for (Component* c : setup.scene->components()) {
+    const Target target{dynamic_cast<SegmentedCurve*>(c), dynamic_cast<MeshedSolid*>(c)};
+    if (target.curve == nullptr && target.solid == nullptr) continue;
+    if (!body_ || body_.get() == &target.body()) targets_.push_back(target);
+  }
+  if (targets_.empty())
+    setup.error(*this, body_ ? "'body' can not be held; expected a thread or a tissue"
+                             : "there is no thread and no tissue that could be held");
+}
+
+Pose Forceps::placed(Configuration c) const {
+  if (!track_) return as_modelled_;
+  return compose(c == Configuration::start ? track_->start_pose() : track_->pose(), as_modelled_);
+}
+
+void Forceps::drive(const StepContext& context) {
+  if (!closing_.update(context)) return;
+  pieces_.clear();
+  applied_ = {};
+  sliding_ = false;
+  take_ = closing_.closed();
+}
+
+void Forceps::look(const SegmentedCurve& curve, Configuration c) {
+  curve.segments(c, seen_);
+  const Pose frame = placed(c);
+  const Quat back = frame.rotation.conjugate();
+  for (CurveSegment& s : seen_) {
+    s.xa = seen_from(frame, s.xa), s.xb = seen_from(frame, s.xb);
+    s.ma = back * s.ma, s.mb = back * s.mb;
+  }
+  space_.stretches(seen_, stretches_);
+}
+
+void Forceps::take() {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const Index target = static_cast<Index>(i);
+    if (targets_[i].solid != nullptr) {
+      take_patch(target);
+      continue;
+    }
+    look(*targets_[i].curve, Configuration::start);
+    for (const JawSpace::Stretch& s : stretches_) take_strand(target, s);
+  }
+  for (Piece& piece : pieces_) piece.share = 1 / static_cast<Real>(pieces_.size());
+}
+
+void Forceps::take_strand(Index target, const JawSpace::Stretch& stretch) {
+  const SegmentedCurve& curve = *targets_[static_cast<std::size_t>(target)].curve;
+  const Pose frame = placed(Configuration::start);
+  Piece& piece = pieces_.emplace_back();
+  piece.target = target;
+  piece.place = stretch.middle;
+  for (const Real at : sections)
+    for (const Real side : {1., -1.}) {
+      Point& p = piece.points.emplace_back();
+      p.id = next_id_++;
+      p.s = stretch.low + at * (stretch.high - stretch.low);
+      p.side = side;
+      p.part = 0.25;
+      p.height = seen_from(frame, curve.point(p.s, Configuration::start)).z();
+    }
+}
+
+void Forceps::take_patch(Index target) {
+  const MeshedSolid& solid = *targets_[static_cast<std::size_t>(target)].solid;
+  const Pose frame = placed(Configuration::start);
+  const TriangleSurface surface = solid.surface(Configuration::start);
+  Piece piece;
+  piece.target = target;
+  Real area = 0;
+  for (Index t = 0; t < surface.size(); ++t) {
+    Corners corners = surface.corners(t);
+    for (Vec3& c : corners) c = seen_from(frame, c);
+    const JawSpace::Part part = space_.part(corners);
+    if (!(part.area > 0)) continue;
+    area += part.area;
+    Point& p = piece.points.emplace_back();
+    p.id = next_id_++;
+    p.at = solid.on_surface(t, part.weights);
+    p.part = part.area;
+    p.height = seen_from(frame, solid.position(p.at, Configuration::start)).z();
+  }
+  if (piece.points.empty()) return;
+  for (Point& p : piece.points) p.part /= area;
+  pieces_.push_back(std::move(piece));
+}
+
+void Forceps::begin_step(const Target& target, Point& p) const {
+  const Pose frame = placed(Configuration::start);
+  Vec3 at;
+  Real lift = 0;
+  if (target.curve != nullptr) {
+    const Vec3 closing = frame.rotation * Vec3::UnitZ();
+    p.start_arm = p.side * arm_across(*target.curve, p.s, closing, Configuration::start);
+    lift = p.start_arm.dot(closing);
+    at = target.curve->point(p.s, Configuration::start) + p.start_arm;
+  } else {
+    at = target.solid->position(p.at, Configuration::start);
+  }
+  p.anchor.head<2>() = seen_from(frame, at).head<2>() - p.stretch;
+  p.anchor.z() = p.height + lift;
+}
+
+Vec3 Forceps::position(const Target& target, const Point& p) const {
+  if (target.curve == nullptr) return target.solid->position(p.at, Configuration::current);
+  return target.curve->point(p.s, Configuration::current) + p.arm;
+}
+
+void Forceps::detect(const StepContext& context) {
+  if (context.pass == 0) {
+    if (take_) take();
+    take_ = false;
+    for (Piece& piece : pieces_)
+      for (Point& p : piece.points) begin_step(targets_[static_cast<std::size_t>(piece.target)], p);
+  }
+  const Pose frame = placed(Configuration::current);
+  for (Piece& piece : pieces_) {
+    const Target& target = targets_[static_cast<std::size_t>(piece.target)];
+    for (Point& p : piece.points) {
+      if (target.curve != nullptr) {
+        const Quat was = target.curve->frame(p.s, Configuration::start).rotation;
+        p.arm = target.curve->frame(p.s, Configuration::current).rotation *
+                (was.conjugate() * p.start_arm);
+      }
+      p.gap = seen_from(frame, position(target, p)) - p.anchor;
+    }
+  }
+}
+
+void Forceps::build(const StepContext&, ConstraintBuilder& builder) {
+  const Mat3 axes = placed(Configuration::current).rotation.toRotationMatrix().transpose();
+  for (Piece& piece : pieces_) {
+    const Target& target = targets_[static_cast<std::size_t>(piece.target)];
+    for (Point& p : piece.points) {
+      const Real share = piece.share / piece.left * p.part;
+      const Real compliance = 1 / (stiffness_ * share);
+      PointJacobian J;
+      if (target.curve != nullptr)
+        target.curve->surface_jacobian(p.s, p.arm, J);
+      else
+        target.solid->jacobian(p.at, J);
+      const Vec3 at = position(target, p);
+      p.along = builder.add<Bilateral<2>>(make_key(source_id_, 2 * p.id),
+                                          {compliance, strength_ * share}, p.gap.head<2>());
+      builder.couple(p.along, target.body(), axes.topRows<2>(), J, at);
+      p.across = builder.add<Bilateral<1>>(make_key(source_id_, 2 * p.id + 1), {compliance},
+                                           p.gap.tail<1>());
+      builder.couple(p.across, target.body(), axes.bottomRows<1>(), J, at);
+    }
+  }
+}
+
+void Forceps::commit(const StepContext&, const SolvedBlocks& solved) {
+  applied_ = {};
+  sliding_ = false;
+  const Vec3 centre = placed(Configuration::current).position;
+  for (Piece& piece : pieces_) {
+    const Target& target = targets_[static_cast<std::size_t>(piece.target)];
+    for (Point& p : piece.points) {
+      const Vec3 force = solved.force(p.along) + solved.force(p.across);
+      applied_.force += force;
+      applied_.moment += (position(target, p) - centre).cross(force);
+      p.stretch = p.gap.head<2>();
+      if (solved.mode(p.along) == Bilateral<2>::capped) {
+        sliding_ = true;
+        const Real share = piece.share / piece.left * p.part;
+        p.stretch = -solved.lambda(p.along) / (stiffness_ * share);
+      }
+    }
+  }
+  follow_strands();
+  drop_what_is_out();
+}
+
+void Forceps::follow_strands() {
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    if (targets_[i].curve == nullptr) continue;
+    const auto is_here = [&](const Piece& p) { return p.target == static_cast<Index>(i); };
+    if (std::none_of(pieces_.begin(), pieces_.end(), is_here)) continue;
+    look(*targets_[i].curve, Configuration::current);
+    // A strand is known by its place: it moves a little from step to step, and others are beside.
+    const Real reach = space_.half.head<2>().norm();
+    std::erase_if(pieces_, [&](Piece& piece) {
+      if (!is_here(piece)) return false;
+      const auto nearest =
+          std::min_element(stretches_.begin(), stretches_.end(), [&](const auto& a, const auto& b) {
+            return (a.middle - piece.place).norm() < (b.middle - piece.place).norm();
+          });
+      if (nearest == stretches_.end() || (nearest->middle - piece.place).norm() > reach)
+        return true;
+      for (Point& p : piece.points) {
+        const std::size_t number = static_cast<std::size_t>(&p - piece.points.data());
+        p.s = nearest->low + sections[number / 2] * (nearest->high - nearest->low);
+      }
+      piece.place = nearest->middle;
+      stretches_.erase(nearest);
+      return false;
+    });
+  }
+}
+
+void Forceps::drop_what_is_out() {
+  const Pose frame = placed(Configuration::current);
+  std::erase_if(pieces_, [&](Piece& piece) {
+    const Target& target = targets_[static_cast<std::size_t>(piece.target)];
+    if (target.solid == nullptr) return false;
+    std::erase_if(piece.points, [&](const Point& p) {
+      const Vec3 at = seen_from(frame, position(target, p));
+      return std::abs(at.x()) > space_.half.x() || std::abs(at.y()) > space_.half.y();
+    });
+    Real left = 0;
+    for (const Point& p : piece.points) left += p.part;
+    piece.left = left;
+    return left < last_rest;
+  });
+}
+
+void Forceps::archive(Archive& a) {
+  closing_.archive(a);
+  a("take", take_);
+  a("next_id", next_id_);
+  a("sliding", sliding_);
+  a("applied", applied_);
+  a.list("pieces", pieces_, [](Archive& each, Piece& piece) {
+    each("target", piece.target);
+    each("place", piece.place);
+    each("share", piece.share);
+    each("left", piece.left);
+    each.list("points", piece.points, [](Archive& one, Point& p) {
+      one("id", p.id);
+      one("s", p.s);
+      one("side", p.side);
+      one("at", p.at);
+      one("part", p.part);
+      one("height", p.height);
+      one("stretch", p.stretch);
+    });
+  });
+  if (!a.restoring()) return;
+  for (const Piece& piece : pieces_)
+    if (piece.target < 0 || piece.target >= static_cast<Index>(targets_.size()))
+      a.fail("forceps that hold a body of another scene");
+}
+
+BodyGeometry Forceps::geometry() const {
+  BodyGeometry g;
+  const Pose frame = placed(Configuration::current);
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner((i & 1) ? 1 : -1, (i & 2) ? 1 : -1, (i & 4) ? 1 : -1);
+    g.points.push_back(at(frame, corner.cwiseProduct(space_.half)));
+    for (int axis = 0; axis < 3; ++axis)
+      if (!((i >> axis) & 1)) {
+        g.connectivity.push_back(i);
+        g.connectivity.push_back(i | (1 << axis));
+      }
+  }
+  g.fields = {{"holding [1]", false, 1, std::vector<Real>(8, holding() ? 1 : 0)}};
+  return g;
+}
+
+void Forceps::describe(Describe<Forceps>& d) {
+  d.summary(
+      "Jaws that close at stated times on what is between them, a thread, a needle or the surface "
+      "of a tissue, and carry it along a track. They hold it with a strength: beyond, a thread "
+      "slides through and tissue slips out.");
+  d.theory(
+      "The space between the open jaws is a box, which goes with the track; they close along "
+      "'axis', its third edge. What is in the box when they close is taken: each strand of a "
+      "thread is a piece, the triangles of one tissue, cut by the box, are another. Nothing "
+      "jumps: what is held stays as thick as it is.\n\n"
+      "A strand is held against both jaws at two sections, so that it can neither turn nor roll; "
+      "tissue at the centroids of its parts of triangles. Pieces share strength and stiffness "
+      "equally, the patches of one tissue by their area. At each point a spring holds the material "
+      "where it was taken, seen from the jaws. Along the jaws its force is at most the point's "
+      "share of the strength: beyond, the material slides, with that force against it. Across the "
+      "jaws it has no limit, as they are hard.\n\n"
+      "A strand that slides is held where it is between the jaws, by the material that is there "
+      "now, with its whole share until its end comes out. Tissue is held at the material that was "
+      "taken; what has slipped out is free, and the rest has its share, until less than a quarter "
+      "is "
+      "left, which slips out at once. The force is a row of the constraint problem, taken at the "
+      "end of the step. Jaws do not squeeze, they do not "
+      "touch what they do not hold (a Tool does), and they hold nothing in the balance in which a "
+      "body begins with 'settle'.");
+  d.link("body", &Forceps::body_, "Only this is taken; left out: any thread or tissue.")
+      .named_only();
+  d.link("track", &Forceps::track_,
+         "The motion of the jaws; left out, where none is in reach: none.")
+      .optional();
+  d.attribute("centre", &Forceps::centre_, "m", between(-1e6, 1e6),
+              "Middle of the space between the open jaws, as modelled: before the track moves it.");
+  d.attribute("axis", &Forceps::axis_, "1", any(), "Direction in which the jaws close.");
+  d.attribute("rotation", &Forceps::rotation_, "rad", between(-1e4, 1e4),
+              "Rotation vector about the centre, after the axis has been laid as said.");
+  d.attribute("size", &Forceps::size_, "m", between(1e-6, 1e3),
+              "Edges of the space between the open jaws: the third one along 'axis'.");
+  d.attribute("strength", &Forceps::strength_, "N", between(1e-15, 1e12),
+              "Largest force along the jaws on all that they hold.");
+  d.attribute("stiffness", &Forceps::stiffness_, "N/m", between(1e-15, 1e12),
+              "Of the grip on all that they hold, up to that force.");
+  d.attribute("grasp", &Forceps::grasp_, "s", at_least(0), "Times at which the jaws close.");
+  d.attribute("release", &Forceps::release_, "s", at_least(0),
+              "Times at which they open; one less than grasps: they hold on.");
+  d.input("hold", "1", between(0, 1),
+          "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "
+          "the next time of grasp or release counts again.",
+          [](Forceps& f, Real hold) { f.closing_.tell(hold > 0); });
+  d.output("force", "N", "Of the jaws on what they hold, over the last step.",
+           [](const Forceps& f) -> Vec3 { return f.applied_.force; });
+  d.output("moment", "N m", "Likewise, about their centre.",
+           [](const Forceps& f) -> Vec3 { return f.applied_.moment; });
+  d.output("holding", "1", "1 while the jaws are closed, else 0.",
+           [](const Forceps& f) -> Real { return f.holding() ? 1 : 0; });
+  d.output("pieces", "1", "Number of strands and patches of tissue that they hold.",
+           [](const Forceps& f) { return static_cast<Real>(f.pieces_.size()); });
+  d.output("sliding", "1", "1 if anything slid in the jaws in the last step, else 0.",
+           [](const Forceps& f) -> Real { return f.sliding_ ? 1 : 0; });
+  d.output("position", "m", "Of their centre.",
+           [](const Forceps& f) -> Vec3 { return f.placed(Configuration::current).position; });
+}
+
+}  // namespace sutura::tools

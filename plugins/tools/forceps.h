@@ -1,0 +1,111 @@
+// Forceps: jaws with a shape that take what is between them, and hold it with a stated strength.
+#pragma once
+
+#include <vector>
+
+#include "closing.h"
+#include "jaw_space.h"
+#include "sutura/describe.h"
+#include "sutura/geometry/triangle_surface.h"
+#include "sutura/simulation.h"
+#include "sutura/tool.h"
+
+namespace sutura::tools {
+
+class Forceps : public Component,
+                public Driver,
+                public ConstraintSource,
+                public Jaws,
+                public Drawing {
+ public:
+  static void describe(Describe<Forceps>& d);
+
+  void initialise(Setup& setup) override;
+  void archive(Archive& archive) override;
+  void drive(const StepContext& context) override;
+
+  // ConstraintSource
+  void detect(const StepContext& context) override;
+  void build(const StepContext& context, ConstraintBuilder& builder) override;
+  void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  const char* rows_attribute() const override { return "size"; }
+
+  // Jaws
+  void grasp() override { closing_.tell(true); }
+  void release() override { closing_.tell(false); }
+  bool holding() const override { return closing_.closed(); }
+  Wrench wrench() const override { return applied_; }
+
+  BodyGeometry geometry() const override;
+
+ private:
+  /// What can be taken: one of the two is null.
+  struct Target {
+    SegmentedCurve* curve = nullptr;
+    MeshedSolid* solid = nullptr;
+    const Body& body() const {
+      return curve != nullptr ? static_cast<const Body&>(*curve) : *solid;
+    }
+  };
+  /// A point of the surface of what is held.
+  struct Point {
+    std::uint64_t id = 0;
+    Real s = 0;          ///< of a curve: abscissa of its section
+    Real side = 0;       ///< of a curve: 1 or -1, against which of the two jaws
+    EmbeddedPoint at;    ///< of a solid
+    Real part = 0;       ///< of strength and stiffness
+    Real height = 0;     ///< over the middle between the jaws; of a curve, of its centreline (m)
+    Vec2 stretch{0, 0};  ///< how far it is from where it would be without force, along the jaws (m)
+
+    // Of one step.
+    Vec3 start_arm = Vec3::Zero();  ///< of a curve: from the centre of its section (m)
+    Vec3 arm = Vec3::Zero();        ///< the same material at the guess (m)
+    Vec3 anchor = Vec3::Zero();     ///< where it would be without force, seen from the jaws (m)
+    Vec3 gap = Vec3::Zero();        ///< from there, at the guess (m)
+    BlockId along, across;
+  };
+  /// A strand of a thread or a patch of a tissue.
+  struct Piece {
+    Index target = 0;
+    Vec3 place = Vec3::Zero();  ///< of a strand: its middle, seen from the jaws (m)
+    Real share = 1;             ///< of strength and stiffness
+    Real left = 1;              ///< part of what was taken that is still between the jaws
+    std::vector<Point> points;
+  };
+
+  Pose placed(Configuration c) const;
+  void take();
+  void take_strand(Index target, const JawSpace::Stretch& stretch);
+  void take_patch(Index target);
+  /// Strands move on through the jaws: other material is between them now.
+  void follow_strands();
+  void drop_what_is_out();
+  /// The stretches of a curve between the jaws go to `stretches_`.
+  void look(const SegmentedCurve& curve, Configuration c);
+  void begin_step(const Target& target, Point& p) const;
+  Vec3 position(const Target& target, const Point& p) const;
+
+  Link<Body> body_;
+  Link<Tool> track_;
+  Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
+  Vec3 size_{2e-3, 2e-3, 2e-3};
+  Real strength_ = 10;
+  Real stiffness_ = 1e6;
+  std::vector<Real> grasp_{0}, release_;
+
+  Index source_id_ = 0;
+  Pose as_modelled_;
+  JawSpace space_;
+  std::vector<Target> targets_;
+  Closing closing_;
+  bool take_ = false;  ///< they have closed: what is between them is to be taken
+  std::vector<Piece> pieces_;
+  std::uint64_t next_id_ = 0;
+  bool sliding_ = false;
+  Wrench applied_;  ///< on what is held, about the centre
+
+  std::vector<CurveSegment> seen_;  ///< from the jaws
+  std::vector<JawSpace::Stretch> stretches_;
+};
+
+}  // namespace sutura::tools

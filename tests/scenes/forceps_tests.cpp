@@ -1,0 +1,193 @@
+// Forceps take what is between their jaws, and hold it up to their strength: forces against
+// balance.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "scenes/text_run.h"
+#include "sutura/tool.h"
+
+namespace sutura::testing {
+namespace {
+
+// 0.2 mm polypropylene of 60 mm along x, its middle at the origin.
+const std::string thread =
+    "<SutureThread name='thread' needle_length='0' thread='4-0 polypropylene' thread_diameter='0.2 "
+    "mm' thread_length='60 mm' thread_beams='30' tip='-30 0 0 mm' "
+    "tip_direction='-1 0 0' damping_stiffness='0.1 ms'/>";
+
+std::string pull(Real newtons, const std::string& more = "") {
+  return thread.substr(0, thread.size() - 2) + more + "/><ThreadLoad at='60 mm' force='" +
+         std::to_string(newtons) + " 0 0 N'/>";
+}
+
+TEST(Forceps, TakeTheStrandsThatAreBetweenThem) {
+  const auto pieces = [](const std::string& where) {
+    TextRun run(thread +
+                "<SutureThread name='other' needle_length='0' thread_length='60 mm' tip='-30 3 0 "
+                "mm' tip_direction='-1 0 0'/><Forceps " +
+                where + "/>");
+    EXPECT_TRUE(run) << run.said();
+    run.run(0.02);
+    return run.number("/forceps", "pieces");
+  };
+  EXPECT_EQ(pieces("centre='5 0 0 mm'"), 1);
+  EXPECT_EQ(pieces("centre='5 1.5 0 mm' size='2 4 2 mm'"), 2);
+  EXPECT_EQ(pieces("centre='5 1.5 0 mm' size='2 4 2 mm' body='/other'"), 1);
+  EXPECT_EQ(pieces("centre='5 -2 0 mm'"), 0);
+}
+
+// Whatever the direction in which they close, across the thread.
+class Grip : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::string forceps(const std::string& more) {
+    return std::string("<Forceps centre='10.3 0 0 mm' size='2 2 2 mm' strength='0.5 N' axis='") +
+           GetParam() + "' " + more + "/>";
+  }
+};
+
+TEST_P(Grip, HoldsWithoutCreepBelowItsStrength) {
+  TextRun run(pull(0.49) + forceps(""));
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.5);
+  const Real held = run.vector("/thread", "end_position").x();
+  EXPECT_EQ(run.number("/forceps", "sliding"), 0);
+  // A hundredth of the forces at work is what a step may leave; at rest it leaves much less.
+  EXPECT_NEAR(run.vector("/forceps", "force").x(), -0.49, 1e-4);
+  run.run(20);
+  EXPECT_NEAR(run.vector("/thread", "end_position").x(), held, 1e-9);
+}
+
+// What the jaws take of the pull is their strength, in every step: the rest is momentum.
+TEST_P(Grip, SlidesAtItsStrengthBeyond) {
+  // A thousand times as heavy as it is: it does not leave the jaws within a step.
+  TextRun run(pull(0.501, " thread_density='910000'") + forceps(""));
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.1);
+  constexpr Real dt = 0.01;
+  Real before = run.vector("/thread", "momentum").x();
+  for (int i = 0; i < 20; ++i) {
+    run.simulation().step();
+    ASSERT_TRUE(run.simulation().report().solved);
+    EXPECT_EQ(run.number("/forceps", "sliding"), 1);
+    EXPECT_NEAR(run.vector("/forceps", "force").x(), -0.5, 1e-6);
+    const Real now = run.vector("/thread", "momentum").x();
+    EXPECT_NEAR(now - before, dt * 0.001, 0.01 * dt * 0.001);  // to the tolerance of a step
+    before = now;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Axes, Grip, ::testing::Values("0 1 0", "0 0 1", "0 1 1", "0 -1 2"),
+                         [](const auto& info) { return std::to_string(info.index); });
+
+// Closed jaws that are drawn along a thread that is held at its start: their strength is its
+// tension, until its end comes out.
+TEST(Forceps, ThreadIsPulledThroughUntilItsEnd) {
+  const std::string held = thread.substr(0, thread.size() - 2) + " clamp='start'/>";
+  TextRun run(held +
+              "<Track times='0 1 s' positions='0 0 0  50 0 0 mm'/>"
+              "<Forceps centre='0 0 0' axis='0 1 0' size='2 2 2 mm' strength='0.3 N'/>");
+  ASSERT_TRUE(run) << run.said();
+  for (int i = 0; i < 100; ++i) {
+    const auto& report = run.simulation().step();
+    ASSERT_TRUE(report.solved) << report.time;
+    // The end is at 30 mm, jaws of 2 mm have passed it at 31: they are there at 0.62 s. The thread
+    // is longer by its strain, T / (E A).
+    if (report.time > 0.635) {
+      EXPECT_EQ(run.number("/forceps", "pieces"), 0) << report.time;
+      EXPECT_EQ(run.vector("/forceps", "force").norm(), 0);
+    } else if (report.time > 0.015 && report.time < 0.615) {
+      EXPECT_NEAR(run.vector("/forceps", "force").x(), 0.3, 1e-3) << report.time;
+    }
+  }
+}
+
+// A turn of the jaws turns the thread in them: they hold it against run sides.
+TEST(Forceps, StrandsDoNotRollInTheJaws) {
+  TextRun run(thread +
+              "<Track times='0 0.5 s' rotations='0 0 0  90 0 0 deg'/>"
+              "<Forceps axis='0 1 0' size='2 2 2 mm'/>");
+  ASSERT_TRUE(run) << run.said();
+  auto& curve = run.component<CurveBody>("/thread");
+  const Quat before = curve.frame(0.03, Configuration::current).rotation;
+  run.run(0.6);
+  const Quat turn = curve.frame(0.03, Configuration::current).rotation * before.conjugate();
+  EXPECT_NEAR(2 * std::atan2(turn.x(), turn.w()), std::numbers::pi / 2, 1e-3);
+}
+
+std::string block(const char* cells, const char* way = "10") {
+  return std::string("<BlockMesh box='0 -5 -2  20 5 0 mm' cells='") + cells +
+         "'/><Tissue name='tissue' young='50 kPa' poisson='0.3' damping_stiffness='10 ms'/>"
+         "<Attach name='root' box='0 -5 -2  0 5 0 mm'/>"
+         "<Track name='hand' times='0 1 s' positions='0 0 0  " +
+         way + " 0 0 mm'/>";
+}
+
+// A strip of tissue is pulled at its end. The pull grows to the strength, on any mesh, until the
+// strip has slipped out.
+class Strip : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Strip, SlipsOutAtTheStrength) {
+  TextRun run(block(GetParam(), "20") +
+              "<Forceps centre='18.6 0 -1 mm' size='3 12 4 mm' strength='0.3 N'/>");
+  ASSERT_TRUE(run) << run.said();
+  Real most = 0;
+  bool lost = false;
+  for (int i = 0; i < 100; ++i) {
+    const auto& report = run.simulation().step();
+    ASSERT_TRUE(report.solved) << report.time;
+    const Real force = run.vector("/forceps", "force").x();
+    // The root bears what the jaws pull; the mass of 0.4 g at 20 mm/s takes a little.
+    EXPECT_NEAR(run.vector("/root", "reaction").x(), -force, 0.02) << report.time;
+    // The springs of single points pull along their own ways, which narrow with the strip: the sum
+    // of their forces is a little less than their number.
+    EXPECT_LT(force, 0.3 + 1e-9);
+    most = std::max(most, force);
+    if (force > 0 && lost) ADD_FAILURE() << "what is out is out";
+    lost = lost || run.number("/forceps", "pieces") == 0;
+  }
+  EXPECT_GT(most, 0.98 * 0.3);
+  EXPECT_TRUE(lost);
+}
+INSTANTIATE_TEST_SUITE_P(Meshes, Strip, ::testing::Values("5 3 2", "10 5 2", "16 8 3"),
+                         [](const auto& info) { return std::to_string(info.index); });
+
+// Below it they hold, and the strip is longer by what the jaws have moved.
+TEST(Forceps, CarryTissueBelowTheirStrength) {
+  TextRun run(block("10 5 2") +
+              "<Forceps centre='19 0 -1 mm' size='3 12 4 mm' strength='50 N' release='1.2 s'/>"
+              "<TissueProbe name='end' point='20 0 0 mm'/>");
+  ASSERT_TRUE(run) << run.said();
+  run.run(1.2);
+  EXPECT_EQ(run.number("/forceps", "sliding"), 0);
+  // The end is beyond the last points that are held, half an element away: it stays behind a
+  // little.
+  EXPECT_NEAR(run.vector("/end", "displacement").x(), 10e-3, 5e-5);
+  run.run(3);
+  EXPECT_EQ(run.number("/forceps", "pieces"), 0);
+  EXPECT_NEAR(run.vector("/end", "displacement").x(), 0, 1e-5);
+}
+
+TEST(Forceps, DoAsAHostSays) {
+  TextRun run(thread + "<Forceps grasp='100 s'/>");
+  ASSERT_TRUE(run) << run.said();
+  auto& jaws = run.component<Jaws>("/forceps");
+  run.simulation().step();
+  EXPECT_FALSE(jaws.holding());
+  jaws.grasp();
+  run.simulation().step();
+  EXPECT_TRUE(jaws.holding());
+  EXPECT_EQ(run.number("/forceps", "pieces"), 1);
+  jaws.release();
+  run.simulation().step();
+  EXPECT_EQ(run.number("/forceps", "pieces"), 0);
+}
+
+TEST(Forceps, SayWhatIsWrong) {
+  EXPECT_NE(TextRun("<Forceps/>").said().find("no thread and no tissue"), std::string::npos);
+  EXPECT_NE(TextRun(thread + "<Forceps axis='0 0 0'/>").said().find("'axis' is zero"),
+            std::string::npos);
+  EXPECT_NE(TextRun(thread + "<Forceps grasp='1 2 s'/>").said().find("release"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sutura::testing
