@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "sutura/geometry/box_tree.h"
@@ -80,17 +81,21 @@ inline Real lowest_on_the_way(const CurveSegment& start, const CurveSegment& now
 
 /// How much of the way from time 0 to 1 is free: `distance(time)` stays above `clearance` on it. No
 /// point moves more than `motion` against the other side on the whole way, and between two looks
-/// the distance cannot fall below half the clearance: a step is never longer than that takes.
+/// the distance cannot fall below half the clearance: a step is never longer than that takes. Of a
+/// guess that has gone astray, by metres or to where nothing is a number, as much as is known to be
+/// free after a number of looks.
 template <class Distance>
 Real way_through(Real motion, Real clearance, const Distance& distance) {
-  Real free = 0;
-  for (Real time = 0;;) {
+  constexpr int most_looks = 1000;
+  if (!std::isfinite(motion)) return 0;
+  Real free = 0, time = 0;
+  for (int look = 0; look < most_looks; ++look) {
     const Real d = distance(time);
-    if (d < clearance) {
+    if (!(d >= clearance)) {
       // As near as it may come: there is a touch.
       for (int k = 0; k < 10; ++k) {
         const Real middle = (free + time) / 2;
-        (distance(middle) < clearance ? time : free) = middle;
+        (distance(middle) >= clearance ? free : time) = middle;
       }
       return free;
     }
@@ -99,6 +104,7 @@ Real way_through(Real motion, Real clearance, const Distance& distance) {
     const Real room = d - clearance / 2;
     time = motion * (1 - time) <= room ? Real(1) : time + room / motion;
   }
+  return free;
 }
 
 }  // namespace sutura::contact

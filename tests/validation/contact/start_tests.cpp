@@ -1,6 +1,8 @@
 // What is where it cannot be when the scene begins is refused; what is only near is not.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "contact_scenes.h"
 #include "scenes/text_run.h"
 
@@ -67,6 +69,21 @@ TEST(Start, DistancesAreThoseOfTheSurfaces) {
                  "<Contact first='/skin/tissue' second='/other/tissue'/>");
   ASSERT_TRUE(blocks) << blocks.said();
   EXPECT_NEAR(blocks.number("/contact", "distance"), 30e-3, 1e-12);
+}
+
+// Of a tissue with itself: the lips of a slit face each other, the sides of a block do not.
+TEST(Start, ATissueIsAsFarFromItselfAsItsLips) {
+  const auto slit = [](const std::string& holes) {
+    return "<plugin name='contact'/><BlockMesh box='-6 -4 -6 6 4 0 mm' cells='12 4 6' " + holes +
+           "/><Tissue young='20 kPa' poisson='0.3'/><Attach box='-6 -4 -6 6 4 -6 mm'/>"
+           "<Contact/>";
+  };
+  TextRun lips(slit("holes='-1 -4 -4 1 4 0 mm'"));
+  ASSERT_TRUE(lips) << lips.said();
+  EXPECT_NEAR(lips.number("/contact", "distance"), 2e-3, 1e-9);
+  TextRun block(slit(""));
+  ASSERT_TRUE(block) << block.said();
+  EXPECT_TRUE(std::isinf(block.number("/contact", "distance")));
 }
 
 }  // namespace
