@@ -67,18 +67,28 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) const {
     return nullptr;
   }
   auto* curve = dynamic_cast<SegmentedCurve*>(first_.get());
-  if (curve != nullptr && tool_) return std::make_unique<CurveTool>(*curve, *tool_);
-  auto* other = dynamic_cast<SegmentedCurve*>(second_ ? second_.get() : first_.get());
+  auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
+  const auto skin = [](const MeshedSolid& of) { return std::make_shared<SolidBoundary>(of); };
+  if (tool_ && tool_->mesh() != nullptr) {
+    const auto shell = std::make_shared<ToolBoundary>(*tool_);
+    if (curve != nullptr) return std::make_unique<CurveSurface>(*curve, shell, nullptr);
+    if (solid != nullptr) return std::make_unique<SurfaceSurface>(skin(*solid), shell);
+  } else if (tool_) {
+    if (curve != nullptr) return std::make_unique<CurveTool>(*curve, *tool_);
+    if (solid != nullptr) return std::make_unique<SurfaceTool>(skin(*solid), *tool_);
+  }
+  Body* const touched = second_ ? second_.get() : first_.get();
+  auto* other = dynamic_cast<SegmentedCurve*>(touched);
+  auto* other_solid = dynamic_cast<MeshedSolid*>(touched);
   if (curve != nullptr && other != nullptr && !tool_)
     return std::make_unique<CurveCurve>(*curve, *other);
-  auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
-  auto* other_solid = dynamic_cast<MeshedSolid*>(second_ ? second_.get() : first_.get());
   if (curve != nullptr && other_solid != nullptr && !tool_)
-    return std::make_unique<CurveSurface>(*curve, *other_solid,
+    return std::make_unique<CurveSurface>(*curve, skin(*other_solid),
                                           find_passage(*setup.scene, *curve, *other_solid));
-  if (solid != nullptr && tool_) return std::make_unique<SurfaceTool>(*solid, *tool_);
-  if (solid != nullptr && other_solid != nullptr && !tool_)
-    return std::make_unique<SurfaceSurface>(*solid, *other_solid);
+  if (solid != nullptr && other_solid != nullptr && !tool_) {
+    const auto own = skin(*solid);
+    return std::make_unique<SurfaceSurface>(own, solid == other_solid ? own : skin(*other_solid));
+  }
   setup.error(*this, solid != nullptr && other != nullptr && !tool_
                          ? "a thread and a tissue: name the thread as 'first'"
                          : "these two cannot touch; expected as 'first' a thread or tissue and as "

@@ -189,8 +189,7 @@ void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
   PointJacobian J;
   curve_.surface_jacobian(t.first_place, t.first_arm, J);
   builder.couple(block, curve_, axes, J, t.at);
-  surface_.jacobian(t.triangle, t.weights, J);
-  builder.couple(block, surface_.solid(), -axes, J, t.at);
+  surface_.boundary()->couple(builder, block, -axes, t.triangle, t.weights, t.at);
 }
 
 Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
@@ -198,13 +197,13 @@ Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
 }
 
 Real CurveSurface::distance() const {
-  CurveSurface now(curve_, surface_.solid(), passage_);
+  CurveSurface now(curve_, surface_.boundary(), passage_);
   now.look(true);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& s : now.seen_.now) {
     if (now.is_inside(s.from, s.to)) continue;
     for (const Vec3& p : {s.xa, s.xb}) {
-      const Real depth = surface_.depth(p);
+      const Real depth = surface_.boundary()->depth(p);
       if (depth > 0) smallest = std::min(smallest, -depth - s.radius);
     }
     Box box;

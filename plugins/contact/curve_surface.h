@@ -1,4 +1,4 @@
-// Touches of a curve and the surface of a solid, outside of the channels that the curve has made.
+// Touches of a curve and a surface, of a solid outside of the channels that the curve has made.
 #pragma once
 
 #include "moving_curve.h"
@@ -11,12 +11,16 @@ namespace sutura::contact {
 class CurveSurface : public Pair {
  public:
   /// `passage`: or null.
-  CurveSurface(const SegmentedCurve& curve, const MeshedSolid& solid, const Passage* passage)
-      : curve_(curve), surface_(solid), passage_(passage) {}
+  CurveSurface(const SegmentedCurve& curve, std::shared_ptr<const Boundary> boundary,
+               const Passage* passage)
+      : curve_(curve), surface_(std::move(boundary)), passage_(passage) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
+  void tell_force(const Touch& touch, const Vec3& force) override {
+    surface_.boundary()->tell_force(-force, touch.at);
+  }
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 

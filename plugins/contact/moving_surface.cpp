@@ -6,15 +6,15 @@
 namespace sutura::contact {
 
 void MovingSurface::look(bool standing) {
-  now_ = solid_.surface(Configuration::current);
-  start_ = standing ? now_ : solid_.surface(Configuration::start);
+  now_ = boundary_->surface(Configuration::current);
+  start_ = standing ? now_ : boundary_->surface(Configuration::start);
   if (!tree_) learn();
   tree_->refit(boxes_, [this](Index t) { return of(t); });
 }
 
 /// What stays as it is at rest: so a run that was interrupted finds the same.
 void MovingSurface::learn() {
-  const TriangleSurface rest = solid_.surface(Configuration::rest);
+  const TriangleSurface rest = boundary_->surface(Configuration::rest);
   std::vector<Vec3> centres;
   Real sum = 0;
   for (Index t = 0; t < rest.size(); ++t) {
@@ -31,13 +31,6 @@ void MovingSurface::learn() {
                    [](const SurfaceNode& a, const SurfaceNode& b) { return a.node < b.node; });
   const auto same = [](const SurfaceNode& a, const SurfaceNode& b) { return a.node == b.node; };
   nodes_.erase(std::unique(nodes_.begin(), nodes_.end(), same), nodes_.end());
-}
-
-Real MovingSurface::depth(const Vec3& p) const {
-  if (!solid_.locate(p, Configuration::current)) return 0;
-  constexpr Real anywhere = 1e6;  // m
-  const auto near = solid_.closest_surface(p, anywhere, Configuration::current);
-  return near ? std::abs(near->distance) : 0;
 }
 
 Box MovingSurface::of(Index t) const {

@@ -1,9 +1,10 @@
-// The boundary of a solid on its way through a step, with boxes around the way of each triangle.
+// A boundary on its way through a step, with boxes around the way of each triangle.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "boundary.h"
 #include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/distances.h"
 #include "sutura/geometry/triangle_surface.h"
@@ -12,11 +13,12 @@ namespace sutura::contact {
 
 class MovingSurface {
  public:
-  explicit MovingSurface(const MeshedSolid& solid) : solid_(solid) {}
+  explicit MovingSurface(std::shared_ptr<const Boundary> boundary)
+      : boundary_(std::move(boundary)) {}
   /// `standing`: as it is now, without its way.
   void look(bool standing = false);
 
-  const MeshedSolid& solid() const { return solid_; }
+  const std::shared_ptr<const Boundary>& boundary() const { return boundary_; }
   Index triangles() const { return now_.size(); }
   const std::array<Index, 3>& nodes(Index triangle) const {
     return now_.triangles[static_cast<std::size_t>(triangle)];
@@ -30,15 +32,10 @@ class MovingSurface {
   Vec3 normal(Index triangle) const { return now_.area_normal(triangle).normalized(); }
   /// Displacement over the step of a point of a triangle.
   Vec3 moved(Index triangle, const Vec3& weights) const;
-  void jacobian(Index triangle, const Vec3& weights, PointJacobian& out) const {
-    solid_.jacobian(solid_.on_surface(triangle, weights), out);
-  }
-  /// May p be inside of the solid? If not, it is not.
+  /// May p be inside? If not, it is not.
   bool bounds(const Vec3& p) const { return !boxes_.empty() && boxes_[0].squared_distance(p) == 0; }
   /// Diagonal of the box around it, along the axes (m).
   Real size() const { return boxes_.empty() ? 0 : (boxes_[0].high - boxes_[0].low).norm(); }
-  /// How deep a point is inside of the solid, now (m); 0 outside.
-  Real depth(const Vec3& p) const;
   /// Nodes of the surface by ascending number, each as a corner of one of its triangles.
   struct SurfaceNode {
     Index node = -1, triangle = -1;
@@ -62,7 +59,7 @@ class MovingSurface {
   Box of(Index triangle) const;
   void learn();
 
-  const MeshedSolid& solid_;
+  std::shared_ptr<const Boundary> boundary_;
   TriangleSurface start_, now_;
   std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
   BoxTree::Boxes boxes_;

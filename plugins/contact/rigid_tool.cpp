@@ -1,7 +1,9 @@
 #include "rigid_tool.h"
 
+#include "read_triangles.h"
 #include "sutura/archive.h"
 #include "sutura/geometry/poses.h"
+#include "sutura/units.h"
 
 namespace sutura::contact {
 
@@ -14,13 +16,18 @@ void RigidTool::describe(Describe<RigidTool>& d) {
       "it is read off. Which bodies touch it, and with how much friction, is said by a Contact for "
       "each of them.");
   d.link("motion", &RigidTool::motion_, "What moves it; left out, it stands still.").named_only();
-  d.attribute("shape", &RigidTool::kind_, {"plane", "sphere", "capsule", "cylinder", "box"},
-              "A plane bounds a half space; a capsule is a cylinder with round ends.");
+  d.attribute(
+      "shape", &RigidTool::kind_, {"plane", "sphere", "capsule", "cylinder", "box", "mesh"},
+      "A plane bounds a half space; a capsule is a cylinder with round ends; a mesh is read "
+      "from a file.");
+  d.attribute("file", &RigidTool::file_,
+              "Of a mesh: a closed surface of triangles, as OBJ, STL or PLY.");
+  d.attribute("unit", &RigidTool::unit_, {"m", "cm", "mm"}, "The unit of length of that file.");
   d.attribute("centre", &RigidTool::centre_, "m", between(-1e6, 1e6),
-              "Centre of the shape; of a plane, a point on it.");
+              "Centre of the shape; of a plane, a point on it; of a mesh, where its origin is.");
   d.attribute("axis", &RigidTool::axis_, "1", any(),
               "Direction of the axis of a capsule or cylinder, of the third edge of a box; of a "
-              "plane, its normal, towards the free side.");
+              "plane, its normal, towards the free side; of a mesh, of its z axis.");
   d.attribute("rotation", &RigidTool::rotation_, "rad", between(-1e4, 1e4),
               "Rotation vector about the centre, after the axis has been laid as said.");
   d.attribute("radius", &RigidTool::radius_, "m", between(1e-6, 1e3),
@@ -41,17 +48,56 @@ void RigidTool::initialise(Setup& setup) {
     setup.error(*this, "'axis' is zero; expected a direction");
     return;
   }
-  if (kind_ == Shape::Kind::cylinder && !(length_ > 0)) {
+  if (kind_ == Kind::cylinder && !(length_ > 0)) {
     setup.error(*this, "'length' of a cylinder is zero; expected more, or a flat box");
     return;
   }
-  shape_ = {.kind = kind_, .radius = radius_, .half_length = length_ / 2, .half_size = size_ / 2};
-  if (kind_ == Shape::Kind::sphere) shape_.half_length = 0;
+  if (kind_ == Kind::mesh) {
+    read_mesh(setup);
+  } else if (!file_.path.empty()) {
+    setup.error(*this, "'file' is for a mesh; expected shape=\"mesh\"");
+    return;
+  }
+  shape_ = {.kind = kind_ == Kind::mesh ? Shape::Kind::box : static_cast<Shape::Kind>(kind_),
+            .radius = radius_,
+            .half_length = length_ / 2,
+            .half_size = size_ / 2};
+  if (kind_ == Kind::sphere) shape_.half_length = 0;
   const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
   const Real angle = rotation_.norm();
   const Quat turned =
       angle > 0 ? Quat(Eigen::AngleAxis<Real>(angle, rotation_ / angle)) : Quat(Quat::Identity());
   as_modelled_ = {centre_, (turned * laid).normalized()};
+}
+
+void RigidTool::read_mesh(Setup& setup) {
+  const std::filesystem::path file = setup.resolve(file_.path);
+  TriangleReading reading = read_triangles(file);
+  if (reading.problem) {
+    const FileProblem& p = *reading.problem;
+    // A problem of a line is shown there; one of the whole file, where the scene names it.
+    if (p.line > 0)
+      setup.diagnostics.error({file.string(), p.line}, path(), p.message, Category::file);
+    else
+      setup.error(*this,
+                  "mesh file '" + file.string() + "': " + p.message +
+                      (std::filesystem::exists(file) ? "" : setup.did_you_mean_file(file_.path)),
+                  Category::file);
+    return;
+  }
+  const Real metres = unit_ == Unit::mm ? 1e-3 : unit_ == Unit::cm ? 1e-2 : 1;
+  Box box;
+  for (Vec3& p : reading.data.points) box.add(p *= metres);
+  std::string error;
+  mesh_ = TriangleMesh::close(reading.data, error);
+  if (!mesh_) {
+    setup.error(*this, "mesh file '" + file.string() + "': " + error, Category::file);
+    return;
+  }
+  constexpr Real large = 1;  // m
+  if (const Real size = (box.high - box.low).norm(); size > large)
+    setup.warning(*this, "the mesh is " + format_real(size) + " m large; is it in mm?");
+  setup.note_if_outside(*this, file_.path);
 }
 
 void RigidTool::archive(Archive& a) {
@@ -80,6 +126,16 @@ void RigidTool::add_force(const Vec3& force, const Vec3& at) {
 BodyGeometry RigidTool::geometry() const {
   BodyGeometry g;
   const Pose now = placed(Configuration::current);
+  if (mesh_) {
+    for (const Vec3& p : mesh_->points()) g.points.push_back(at(now, p));
+    for (const auto& t : mesh_->triangles())
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const Index a = t[k], b = t[(k + 1) % 3]; a < b) {
+          g.connectivity.push_back(a);
+          g.connectivity.push_back(b);
+        }
+    return g;
+  }
   for (const Vec3& p : shape_.wireframe()) {
     g.connectivity.push_back(static_cast<Index>(g.points.size()));
     g.points.push_back(at(now, p));

@@ -1,10 +1,13 @@
 // Component Tool: a rigid shape, fixed or on a track, that bodies touch.
 #pragma once
 
+#include <memory>
+
 #include "shape.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
 #include "sutura/tool.h"
+#include "triangle_mesh.h"
 
 namespace sutura::contact {
 
@@ -17,7 +20,10 @@ class RigidTool : public Component, public Driver, public Drawing {
   void drive(const StepContext& context) override;
   BodyGeometry geometry() const override;
 
+  /// Not of a mesh.
   const Shape& shape() const { return shape_; }
+  /// Or null. Seen from the frame of the shape.
+  const TriangleMesh* mesh() const { return mesh_ ? &*mesh_ : nullptr; }
   /// The frame of the shape, at the start of the step or now: at its end.
   Pose placed(Configuration c) const;
   /// Displacement over the step of a point of the shape, seen from it (m).
@@ -26,13 +32,27 @@ class RigidTool : public Component, public Driver, public Drawing {
   void add_force(const Vec3& force, const Vec3& at);
 
  private:
+  enum class Kind {
+    plane,
+    sphere,
+    capsule,
+    cylinder,
+    box,
+    mesh
+  };  ///< those of Shape, and one more
+  enum class Unit { m, cm, mm };
+  void read_mesh(Setup& setup);
+
   Link<Tool> motion_;
-  Shape::Kind kind_ = Shape::Kind::plane;
+  Kind kind_ = Kind::plane;
+  File file_;
+  Unit unit_ = Unit::m;
   Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
   Vec3 size_{0.01, 0.01, 0.01};
   Real radius_ = 1e-3, length_ = 1e-2;
 
   Shape shape_;
+  std::optional<TriangleMesh> mesh_;
   Pose as_modelled_;  ///< frame of the shape
   Wrench applied_;    ///< by contacts, about the centre
 };

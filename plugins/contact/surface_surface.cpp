@@ -14,6 +14,12 @@ constexpr Real beside = 0.1;   // a node may stand so far beside a triangle
 // Cosine between the normal of a node and that of a triangle that faces it, at most.
 constexpr Real facing = -0.2;
 
+/// Is any node of a triangle?
+bool is_touched(const std::vector<char>& touched, const std::array<Index, 3>& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [&](Index node) { return touched[static_cast<std::size_t>(node)] != 0; });
+}
+
 }  // namespace
 
 void SurfaceSurface::add_normals(const MovingSurface& surface, std::vector<Vec3>& normals) {
@@ -30,6 +36,7 @@ void SurfaceSurface::add_normals(const MovingSurface& surface, std::vector<Vec3>
 }
 
 Real SurfaceSurface::edge_length() const {
+  if (second().boundary()->is_rigid()) return first_.edge_length();
   return std::min(first_.edge_length(), second().edge_length());
 }
 
@@ -43,6 +50,12 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
   }
   const Real reach = margin * edge_length();
   meet(false, reach, out);
+  if (second().boundary()->is_rigid()) {
+    // What lies on a tool is held at its nodes: where the tool's nodes are in the same triangles,
+    // they would say it again.
+    touched_first_.assign(normals_first_.size(), 0);
+    for (const Touch& t : out) touched_first_[static_cast<std::size_t>(t.node)] = 1;
+  }
   if (!is_self_) meet(true, reach, out);
   drop_doubles(out);
 }
@@ -52,6 +65,7 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
   const MovingSurface& faces = nodes_are_second ? first_ : second();
   const std::vector<Vec3>& normals = nodes_are_second ? normals_second_ : normals_first_;
   const Real edge = edge_length();
+  const bool node_is_rigid = nodes.boundary()->is_rigid();
   const Real around = std::max(reach, depth * edge), aside = beside * around / depth;
   for (const MovingSurface::SurfaceNode& n : nodes.surface_nodes()) {
     const Index node = n.node;
@@ -73,8 +87,9 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
       const auto& corners = faces.nodes(t);
       const bool own =
           &nodes == &faces && (corners[0] == node || corners[1] == node || corners[2] == node);
+      const bool is_said = node_is_rigid && is_touched(touched_first_, corners);
       const Vec3 n = faces.normal(t);
-      if (own || n.dot(outward) > facing) return;
+      if (own || is_said || n.dot(outward) > facing) return;
       const Passing way = passing(nodes, node, faces, t);
       if (way.free < free) {
         free = way.free;
@@ -96,6 +111,8 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
     free_way_ = std::min(free_way_, free);
     if (best.triangle < 0) continue;
     best.node = node;
+    best.node_triangle = n.triangle;
+    best.node_weights = n.weights;
     best.nodes_are_second = nodes_are_second;
     best.first_place = static_cast<Real>(nodes_are_second ? -1 - node : node);
     best.along = best.normal.unitOrthogonal();
@@ -155,20 +172,17 @@ Vec3 SurfaceSurface::slip(const Touch& t) const {
 void SurfaceSurface::couple(const Touch& t, BlockId block, const Directions& axes,
                             ConstraintBuilder& builder) const {
   const Directions on_nodes = t.nodes_are_second ? Directions(-axes) : axes;
-  PointJacobian J;
-  J.nodes = 1;
-  J.width = 3;
-  J.node[0] = t.node;
-  J.coefficients = Mat3::Identity();
-  const auto couple_nodes = [&] { builder.couple(block, nodes_of(t).solid(), on_nodes, J, t.at); };
-  PointJacobian K;
-  faces_of(t).jacobian(t.triangle, t.weights, K);
-  const auto couple_faces = [&] { builder.couple(block, faces_of(t).solid(), -on_nodes, K, t.at); };
+  const auto couple_node = [&] {
+    nodes_of(t).boundary()->couple(builder, block, on_nodes, t.node_triangle, t.node_weights, t.at);
+  };
+  const auto couple_face = [&] {
+    faces_of(t).boundary()->couple(builder, block, -on_nodes, t.triangle, t.weights, t.at);
+  };
   // The first coupling is that of the first body: its force is the one that is drawn.
   if (t.nodes_are_second)
-    couple_faces(), couple_nodes();
+    couple_face(), couple_node();
   else
-    couple_nodes(), couple_faces();
+    couple_node(), couple_face();
 }
 
 Pair::Tolerance SurfaceSurface::tolerance(const Touch&) const {
@@ -180,16 +194,13 @@ Real SurfaceSurface::edges_inside(const MovingSurface& edges, const MovingSurfac
   Real deepest = 0;
   for (Index t = 0; t < edges.triangles(); ++t) {
     const auto& nodes = edges.nodes(t);
-    const auto is_touched = [&](Index node) {
-      return touched[static_cast<std::size_t>(node)] != 0;
-    };
-    if (std::any_of(nodes.begin(), nodes.end(), is_touched)) continue;
+    if (is_touched(touched, nodes)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index from = nodes[k], to = nodes[(k + 1) % 3];
       if (from > to) continue;  // the triangle beside has it too
       for (const Real u : {0.25, 0.5, 0.75}) {
         const Vec3 p = edges.point(from) + u * (edges.point(to) - edges.point(from));
-        if (solid.bounds(p)) deepest = std::max(deepest, solid.depth(p));
+        if (solid.bounds(p)) deepest = std::max(deepest, solid.boundary()->depth(p));
       }
     }
   }
@@ -219,18 +230,16 @@ Real SurfaceSurface::smallest_distance(const MovingSurface& nodes, const MovingS
   constexpr Real anywhere = 1e6;  // m
   for (const MovingSurface::SurfaceNode& n : nodes.surface_nodes()) {
     const Vec3 p = nodes.point(n.node);
-    const Real inside = faces.depth(p);
-    if (inside > 0)
-      smallest = std::min(smallest, -inside);
-    else if (const auto near = faces.solid().closest_surface(p, std::clamp(smallest, 0., anywhere),
-                                                             Configuration::current))
-      smallest = std::min(smallest, std::abs(near->distance));
+    const Real inside = faces.boundary()->depth(p);
+    smallest = std::min(
+        smallest,
+        inside > 0 ? -inside : faces.boundary()->distance(p, std::clamp(smallest, 0., anywhere)));
   }
   return smallest;
 }
 
 Real SurfaceSurface::distance() const {
-  SurfaceSurface now(first_.solid(), second().solid());
+  SurfaceSurface now(first_.boundary(), second().boundary());
   now.first_.look(true);
   if (!is_self_) {
     now.second_.look(true);

@@ -1,5 +1,5 @@
-// Touches of the surfaces of two solids, or of one with itself: nodes of each against triangles of
-// the other that face them.
+// Touches of two surfaces, or of one with itself: nodes of each against triangles of the other that
+// face them.
 #pragma once
 
 #include "moving_surface.h"
@@ -9,12 +9,17 @@ namespace sutura::contact {
 
 class SurfaceSurface : public Pair {
  public:
-  SurfaceSurface(const MeshedSolid& first, const MeshedSolid& second)
-      : first_(first), second_(second), is_self_(&first == &second) {}
+  using Side = std::shared_ptr<const Boundary>;
+  /// The first is that of a solid.
+  SurfaceSurface(const Side& first, const Side& second)
+      : first_(first), second_(second), is_self_(first == second) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
+  void tell_force(const Touch& touch, const Vec3& force) override {
+    second().boundary()->tell_force(-force, touch.at);
+  }
   Real unseen_overlap(const std::vector<Touch>& touches) override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;

@@ -147,9 +147,7 @@ Vec3 SurfaceTool::slip(const Touch& t) const {
 
 void SurfaceTool::couple(const Touch& t, BlockId block, const Directions& axes,
                          ConstraintBuilder& builder) const {
-  PointJacobian J;
-  surface_.jacobian(t.triangle, t.weights, J);
-  builder.couple(block, surface_.solid(), axes, J, t.at);
+  surface_.boundary()->couple(builder, block, axes, t.triangle, t.weights, t.at);
 }
 
 Pair::Tolerance SurfaceTool::tolerance(const Touch&) const {
@@ -157,7 +155,7 @@ Pair::Tolerance SurfaceTool::tolerance(const Touch&) const {
 }
 
 Real SurfaceTool::distance() const {
-  SurfaceTool now(surface_.solid(), tool_);
+  SurfaceTool now(surface_.boundary(), tool_);
   now.surface_.look(true);
   const Shape& shape = tool_.shape();
   Real smallest = std::numeric_limits<Real>::infinity();
@@ -173,7 +171,7 @@ Real SurfaceTool::distance() const {
     if (shape.at(c[0]).distance - size < smallest) smallest = std::min(smallest, distance_of(c));
   }
   // No surface may be near a tool that is inside.
-  const Real inside = now.surface_.depth(tool_.placed(Configuration::current).position);
+  const Real inside = now.surface_.boundary()->depth(tool_.placed(Configuration::current).position);
   return inside > 0 ? std::min(smallest, -inside - shape.half_thickness()) : smallest;
 }
 

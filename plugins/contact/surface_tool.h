@@ -10,7 +10,8 @@ namespace sutura::contact {
 
 class SurfaceTool : public ToolPair {
  public:
-  SurfaceTool(const MeshedSolid& solid, RigidTool& tool) : ToolPair(tool), surface_(solid) {}
+  SurfaceTool(std::shared_ptr<const Boundary> boundary, RigidTool& tool)
+      : ToolPair(tool), surface_(std::move(boundary)) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,

@@ -11,17 +11,13 @@
 #include <string_view>
 
 #include "mesh_data.h"
+#include "sutura/file_cursor.h"
 
 namespace sutura::tissue {
 
-struct MeshProblem {
-  int line = 0;  ///< 1-based; 0 if no line can be named
-  std::string message;
-};
-
 struct MeshReading {
   MeshData mesh;
-  std::optional<MeshProblem> problem;  ///< if set, the mesh is empty
+  std::optional<FileProblem> problem;  ///< if set, the mesh is empty
   bool ok() const { return !problem; }
 };
 

@@ -27,7 +27,7 @@ int nodes_of_type(int type) {
 
 class GmshReader {
  public:
-  explicit GmshReader(MeshCursor& in) : in_(in) {}
+  explicit GmshReader(FileCursor& in) : in_(in) {}
 
   MeshData read() {
     while (!in_.peek().empty()) section();
@@ -40,7 +40,7 @@ class GmshReader {
   void section() {
     const std::string name(in_.word("a section"));
     if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
-      in_.fail("found '" + MeshCursor::shortened(name) +
+      in_.fail("found '" + FileCursor::shortened(name) +
                "', expected the start of a section ('$...')");
     if (name == "$MeshFormat")
       format();
@@ -56,7 +56,7 @@ class GmshReader {
     } else if (name == "$PhysicalNames")
       physical_names();
     else if (!in_.skip_past("$End" + name.substr(1)))
-      in_.fail("section '" + MeshCursor::shortened(name) + "' has no end");
+      in_.fail("section '" + FileCursor::shortened(name) + "' has no end");
     else
       return;
     in_.keyword("$End" + name.substr(1));
@@ -69,7 +69,7 @@ class GmshReader {
     else if (version == "4.1")
       version_ = 4;
     else
-      in_.fail("MSH version '" + MeshCursor::shortened(version) +
+      in_.fail("MSH version '" + FileCursor::shortened(version) +
                "' is not read; save the mesh as version 2.2 or 4.1");
     binary_ = in_.integer<int>("the file type (0 ASCII, 1 binary)", 0, 1) == 1;
     in_.integer<int>("the size of a floating-point number in bytes", 8, 8);
@@ -290,7 +290,7 @@ class GmshReader {
                std::to_string(n));
   }
 
-  MeshCursor& in_;
+  FileCursor& in_;
   MeshData mesh_;
   int version_ = 0;
   bool binary_ = false, has_nodes_ = false, has_elements_ = false;
@@ -300,7 +300,7 @@ class GmshReader {
 
 }  // namespace
 
-MeshData read_gmsh(MeshCursor& in) {
+MeshData read_gmsh(FileCursor& in) {
   return GmshReader(in).read();
 }
 

@@ -9,19 +9,19 @@ void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
   const auto points = static_cast<long long>(mesh.points.size());
   for (std::size_t c = 0; c < cells.types.size(); ++c) {
     if (cells.types[c] == vtk_quadratic_tetra)
-      throw MeshProblem{line, "cell " + std::to_string(c) +
+      throw FileProblem{line, "cell " + std::to_string(c) +
                                   " is a second-order tetrahedron; save the mesh with order 1"};
     if (cells.types[c] != vtk_tetra) continue;
     const long long first = cells.offsets[c];
     if (cells.offsets[c + 1] - first != 4)
-      throw MeshProblem{line, "cell " + std::to_string(c) + " is a tetrahedron with " +
+      throw FileProblem{line, "cell " + std::to_string(c) + " is a tetrahedron with " +
                                   std::to_string(cells.offsets[c + 1] - first) +
                                   " points, expected 4"};
     Tet tet;
     for (std::size_t k = 0; k < 4; ++k) {
       const long long p = cells.connectivity[static_cast<std::size_t>(first) + k];
       if (p < 0 || p >= points)
-        throw MeshProblem{line, "cell " + std::to_string(c) + " uses point " + std::to_string(p) +
+        throw FileProblem{line, "cell " + std::to_string(c) + " uses point " + std::to_string(p) +
                                     ", expected 0 to " + std::to_string(points - 1)};
       tet[k] = static_cast<Index>(p);
     }
@@ -29,7 +29,7 @@ void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
     if (!cells.region.empty()) {
       const double tag = cells.region[c];
       if (!(std::abs(tag) <= 2147483647.0) || tag != std::floor(tag))
-        throw MeshProblem{line,
+        throw FileProblem{line,
                           "the region of cell " + std::to_string(c) + " is not a whole number"};
       region = static_cast<int>(tag);
     }
@@ -42,7 +42,7 @@ namespace {
 
 class LegacyReader {
  public:
-  explicit LegacyReader(MeshCursor& in) : in_(in) {}
+  explicit LegacyReader(FileCursor& in) : in_(in) {}
 
   MeshData read() {
     in_.swap_bytes = std::endian::native == std::endian::little;
@@ -67,12 +67,12 @@ class LegacyReader {
     in_.rest_of_line();  // title
     const std::string_view form = in_.word("ASCII or BINARY");
     if (form != "ASCII" && form != "BINARY")
-      in_.fail("found '" + MeshCursor::shortened(form) + "', expected ASCII or BINARY");
+      in_.fail("found '" + FileCursor::shortened(form) + "', expected ASCII or BINARY");
     binary_ = form == "BINARY";
     in_.keyword("DATASET");
     const std::string_view kind = in_.word("UNSTRUCTURED_GRID");
     if (kind != "UNSTRUCTURED_GRID")
-      in_.fail("the data set is '" + MeshCursor::shortened(kind) + "', expected UNSTRUCTURED_GRID");
+      in_.fail("the data set is '" + FileCursor::shortened(kind) + "', expected UNSTRUCTURED_GRID");
   }
 
   void section() {
@@ -108,7 +108,7 @@ class LegacyReader {
   std::string type_word() {
     const std::string type(in_.word("a data type"));
     if (size_of(type) == 0)
-      in_.fail("data type '" + MeshCursor::shortened(type) + "' is not known");
+      in_.fail("data type '" + FileCursor::shortened(type) + "' is not known");
     return type;
   }
   double real(const std::string& type, const char* what) {
@@ -263,7 +263,7 @@ class LegacyReader {
                                                           : 0;
     }
     if (components == 0 || components > 64)
-      in_.fail("found '" + MeshCursor::shortened(key) +
+      in_.fail("found '" + FileCursor::shortened(key) +
                "', expected a keyword of the VTK legacy format");
     if (key == "SCALARS") {
       const std::string_view rest = in_.rest_of_line();
@@ -290,8 +290,8 @@ class LegacyReader {
       const std::size_t n = in_.count("the number of tuples", 0);
       const std::string type(in_.word("a data type"));
       if (size_of(type) == 0)
-        in_.fail("data type '" + MeshCursor::shortened(type) + "' of array '" +
-                 MeshCursor::shortened(name) + "' is not read");
+        in_.fail("data type '" + FileCursor::shortened(type) + "' of array '" +
+                 FileCursor::shortened(name) + "' is not read");
       if (components > 64) in_.fail("an array of " + std::to_string(components) + " components");
       begin_values();
       array(name, type, components, n, on_cells && n == tuples);
@@ -315,7 +315,7 @@ class LegacyReader {
                std::to_string(cell_count()) + " cells");
   }
 
-  MeshCursor& in_;
+  FileCursor& in_;
   MeshData mesh_;
   VtkCells cells_;
   int version_ = 0, cells_line_ = 0;
@@ -326,7 +326,7 @@ class LegacyReader {
 
 }  // namespace
 
-MeshData read_vtk_legacy(MeshCursor& in) {
+MeshData read_vtk_legacy(FileCursor& in) {
   return LegacyReader(in).read();
 }
 

@@ -32,7 +32,7 @@ struct VtkCells {
   std::vector<double> region;  ///< per cell, or empty
 };
 
-/// Keeps the tets. Throws MeshProblem at `line` for a bad index or a higher-order tet.
+/// Keeps the tets. Throws FileProblem at `line` for a bad index or a higher-order tet.
 void take_tets(const VtkCells& cells, int line, MeshData& mesh);
 
 }  // namespace sutura::tissue

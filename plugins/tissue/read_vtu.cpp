@@ -15,7 +15,7 @@ namespace {
 using tinyxml2::XMLElement;
 
 [[noreturn]] void fail(const XMLElement* at, const std::string& message) {
-  throw MeshProblem{at ? at->GetLineNum() : 0, message};
+  throw FileProblem{at ? at->GetLineNum() : 0, message};
 }
 
 int base64_value(char c) {
@@ -64,7 +64,7 @@ class VtuReader {
     }
     const std::size_t open = bytes.find('>', tag);
     const std::size_t mark = open == std::string_view::npos ? open : bytes.find('_', open);
-    if (mark == std::string_view::npos) throw MeshProblem{0, "<AppendedData> without its '_' mark"};
+    if (mark == std::string_view::npos) throw FileProblem{0, "<AppendedData> without its '_' mark"};
     appended_ = bytes.substr(mark + 1);
     appended_raw_ = bytes.substr(tag, open - tag).find("\"raw\"") != std::string_view::npos;
     parse(std::string(bytes.substr(0, tag)) + "</VTKFile>");
@@ -75,12 +75,12 @@ class VtuReader {
     if (!file || std::string_view(file->Name()) != "VTKFile")
       fail(file, "expected the element <VTKFile>");
     if (text(file, "type") != "UnstructuredGrid")
-      fail(file, "the file holds '" + MeshCursor::shortened(text(file, "type")) +
+      fail(file, "the file holds '" + FileCursor::shortened(text(file, "type")) +
                      "', expected type=\"UnstructuredGrid\"");
     const std::string_view compressor = text(file, "compressor");
     compressed_ = !compressor.empty();
     if (compressed_ && compressor != "vtkZLibDataCompressor")
-      fail(file, "compressor=\"" + MeshCursor::shortened(compressor) +
+      fail(file, "compressor=\"" + FileCursor::shortened(compressor) +
                      "\"; expected vtkZLibDataCompressor, or none");
     swap_ = (text(file, "byte_order") == "BigEndian") != (std::endian::native == std::endian::big);
     header_bytes_ = text(file, "header_type") == "UInt64" ? 8 : 4;
@@ -105,7 +105,7 @@ class VtuReader {
  private:
   void parse(const std::string& xml) {
     if (document_.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
-      throw MeshProblem{document_.ErrorLineNum(),
+      throw FileProblem{document_.ErrorLineNum(),
                         std::string("not well-formed XML (") + document_.ErrorName() + ")"};
   }
   static std::string_view text(const XMLElement* e, const char* attribute) {
@@ -122,7 +122,7 @@ class VtuReader {
     std::uint64_t n = 0;
     const auto [end, error] = std::from_chars(t.data(), t.data() + t.size(), n);
     if (error != std::errc{} || end != t.data() + t.size())
-      fail(e, std::string(attribute) + "=\"" + MeshCursor::shortened(t) + "\", expected a count");
+      fail(e, std::string(attribute) + "=\"" + FileCursor::shortened(t) + "\", expected a count");
     return n;
   }
   static std::size_t count(const XMLElement* e, const char* attribute) {
@@ -145,7 +145,7 @@ class VtuReader {
     const std::string_view type = text(array, "type"), format = text(array, "format");
     const std::size_t each = type_bytes(type);
     if (each == 0)
-      fail(array, "type=\"" + MeshCursor::shortened(type) +
+      fail(array, "type=\"" + FileCursor::shortened(type) +
                       "\", expected Int8 to UInt64 or Float32, Float64");
     if constexpr (std::is_integral_v<T>)
       if (type.starts_with("Float"))
@@ -161,9 +161,9 @@ class VtuReader {
       data = inline_block(array, appended_.substr(offset), n * each, appended_raw_);
     } else {
       fail(array,
-           "format=\"" + MeshCursor::shortened(format) + "\", expected ascii, binary or appended");
+           "format=\"" + FileCursor::shortened(format) + "\", expected ascii, binary or appended");
     }
-    MeshCursor in(data);
+    FileCursor in(data);
     in.swap_bytes = swap_;
     std::vector<T> out;
     out.reserve(n);
@@ -172,7 +172,7 @@ class VtuReader {
   }
 
   template <class T>
-  T value(MeshCursor& in, std::string_view type, const XMLElement* array) {
+  T value(FileCursor& in, std::string_view type, const XMLElement* array) {
     double real = 0;
     if (type == "Float64")
       real = in.binary<double>("a value");
@@ -202,7 +202,7 @@ class VtuReader {
   std::vector<T> ascii_values(const XMLElement* array, std::size_t n) {
     const std::string_view content = array->GetText() ? array->GetText() : "";
     if (n > content.size()) wrong_length(array, n);
-    MeshCursor in(content);
+    FileCursor in(content);
     std::vector<T> out;
     out.reserve(n);
     try {
@@ -213,14 +213,14 @@ class VtuReader {
         else
           out.push_back(in.real("a value"));
       }
-    } catch (const MeshProblem& p) {
-      throw MeshProblem{array->GetLineNum() + p.line - 1, p.message};
+    } catch (const FileProblem& p) {
+      throw FileProblem{array->GetLineNum() + p.line - 1, p.message};
     }
     if (out.size() != n || !in.peek().empty()) wrong_length(array, n);
     return out;
   }
   [[noreturn]] static void wrong_length(const XMLElement* array, std::size_t n) {
-    fail(array, "the array '" + MeshCursor::shortened(text(array, "Name")) +
+    fail(array, "the array '" + FileCursor::shortened(text(array, "Name")) +
                     "' does not hold the " + std::to_string(n) + " values expected");
   }
 
@@ -231,7 +231,7 @@ class VtuReader {
     if (expected > source.size()) wrong_block(array, source.size(), expected);
     const std::string data = bytes(array, source, header_bytes_ + expected, raw);
     if (data.size() < header_bytes_) wrong_block(array, data.size(), expected);
-    MeshCursor in(data);
+    FileCursor in(data);
     in.swap_bytes = swap_;
     const std::uint64_t stated = size_from(in);
     if (stated != expected) wrong_block(array, stated, expected);
@@ -249,7 +249,7 @@ class VtuReader {
     decoded->resize(std::min(decoded->size(), limit));
     return std::move(*decoded);
   }
-  std::uint64_t size_from(MeshCursor& in) const {
+  std::uint64_t size_from(FileCursor& in) const {
     return header_bytes_ == 8 ? in.binary<std::uint64_t>("a block size")
                               : in.binary<std::uint32_t>("a block size");
   }
@@ -262,7 +262,7 @@ class VtuReader {
     if (expected / 1032 > source.size()) wrong_block(array, source.size(), expected);
     const std::string first = bytes(array, source, header_bytes_, raw);
     if (first.size() < header_bytes_) wrong_block(array, first.size(), expected);
-    MeshCursor count(first);
+    FileCursor count(first);
     count.swap_bytes = swap_;
     const std::uint64_t blocks = size_from(count);
     if (blocks > source.size() / header_bytes_)
@@ -270,7 +270,7 @@ class VtuReader {
     const std::size_t header_size = header_bytes_ * (3 + static_cast<std::size_t>(blocks));
     const std::string header = bytes(array, source, header_size, raw);
     if (header.size() < header_size) wrong_block(array, header.size(), expected);
-    MeshCursor in(header);
+    FileCursor in(header);
     in.swap_bytes = swap_;
     size_from(in);
     const std::uint64_t whole_size = size_from(in), last_size = size_from(in);
@@ -318,7 +318,7 @@ class VtuReader {
                                   static_cast<uLong>(sizes[i]));
       if (code != Z_OK || length != size)
         fail(array, "block " + std::to_string(i + 1) + " of the array '" +
-                        MeshCursor::shortened(text(array, "Name")) + "' is not what zlib wrote");
+                        FileCursor::shortened(text(array, "Name")) + "' is not what zlib wrote");
       at += sizes[i];
     }
     if (out.size() != expected) wrong_block(array, out.size(), expected);
@@ -327,7 +327,7 @@ class VtuReader {
 
   [[noreturn]] static void wrong_block(const XMLElement* array, std::size_t found,
                                        std::size_t expected) {
-    fail(array, "the block of array '" + MeshCursor::shortened(text(array, "Name")) + "' has " +
+    fail(array, "the block of array '" + FileCursor::shortened(text(array, "Name")) + "' has " +
                     std::to_string(found) + " bytes, expected " + std::to_string(expected) +
                     " (is header_type or byte_order wrong?)");
   }

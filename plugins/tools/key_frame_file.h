@@ -14,14 +14,9 @@
 #include <vector>
 
 #include "key_frames.h"
+#include "sutura/file_cursor.h"
 
 namespace sutura::tools {
-
-/// A problem at a line of the file; line 0: the file as a whole.
-struct FileProblem {
-  int line = 0;
-  std::string message;
-};
 
 /// Bounds on what is read, so that a wrong file is refused instead of eating the memory.
 inline constexpr std::size_t max_key_frame_bytes = std::size_t{64} << 20;

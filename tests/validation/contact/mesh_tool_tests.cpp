@@ -1,0 +1,104 @@
+// A tool that is a mesh is the tool whose shape it has, however finely it is divided.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "contact_scenes.h"
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+/// A box of 10 x 8 x 4 mm, each side in n x n squares, as OBJ. Corners are written once per square.
+std::string box_file(int n) {
+  const std::string file = SUTURA_BINARY_DIR "/box_" + std::to_string(n) + ".obj";
+  std::ofstream out(file);
+  const Vec3 half(5, 4, 2);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int side : {-1, 1})
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+          for (const auto& [a, b] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+            Vec3 p;
+            p[axis] = side * half[axis];
+            p[u] = half[u] * (2. * (i + a) / n - 1);
+            p[v] = half[v] * (2. * (j + b) / n - 1);
+            out << "v " << text_of(p) << '\n';
+          }
+          out << (side > 0 ? "f -4 -3 -2 -1\n" : "f -1 -2 -3 -4\n");
+        }
+  return file;
+}
+
+std::string mesh_tool(int n, const std::string& more) {
+  return "<Tool name='tool' shape='mesh' unit='mm' file='" + box_file(n) + "' " + more + "/>";
+}
+
+// A thread falls across it and hangs over its edges.
+TEST(MeshTool, HoldsAThreadAsABoxDoes) {
+  const auto hung = [](const std::string& tool) {
+    TextRun run(
+        "<plugin name='contact'/>" +
+            thread("a", Vec3(0, 0.3e-3, 5e-3), Vec3::UnitX(), 0.04, 40, "damping_mass='5 1/s'") +
+            tool + "<Contact tool='tool' friction='0.3'/>",
+        "dt='5 ms'");
+    EXPECT_TRUE(run) << run.said();
+    for (int i = 0; i < 100; ++i) EXPECT_TRUE(run.simulation().step().solved) << i;
+    EXPECT_GT(run.number("/contact", "touches"), 0);
+    return std::pair(run.vector("/a", "tip_position"), run.vector("/tool", "force"));
+  };
+  const auto expected = hung("<Tool name='tool' shape='box' size='10 8 4 mm'/>");
+  for (const int n : {1, 5}) {
+    const auto found = hung(mesh_tool(n, ""));
+    EXPECT_LT((found.first - expected.first).norm(), 1e-9) << n;  // the steps leave some 1e-10 m
+    EXPECT_LT((found.second - expected.second).norm(), 1e-3 * expected.second.norm()) << n;
+  }
+}
+
+// Pressed into tissue. What it touches are the nodes of the tissue, the same for both.
+TEST(MeshTool, PressesTissueAlikeHoweverFineItIs) {
+  const auto force = [](int n) {
+    TextRun run("<plugin name='contact'/>" +
+                    block("skin", "-12 -10 -8 12 10 0", "12 10 4",
+                          "<Attach box='-12 -10 -8 12 10 -8 mm'/>") +
+                    "<Track name='hand' times='0 0.2 s' positions='0 0 0  0 0 -1.1 mm'/>" +
+                    mesh_tool(n, "centre='0 0 2.1 mm' motion='hand'") +
+                    "<Contact first='/skin/tissue' tool='tool' friction='0.3'/>",
+                "dt='10 ms' gravity='0 0 0'");
+    EXPECT_TRUE(run) << run.said();
+    for (int i = 0; i < 30; ++i) EXPECT_TRUE(run.simulation().step().solved) << i;
+    const Vec3 on_tool = run.vector("/tool", "force");
+    EXPECT_LT((on_tool + run.vector("/contact", "force")).norm(), 1e-12);
+    return on_tool.z();
+  };
+  const Real coarse = force(1);
+  EXPECT_GT(coarse, 0.1);
+  // The direction of friction at single nodes is not determined better than steps are solved.
+  EXPECT_NEAR(force(6), coarse, 0.01 * coarse);
+}
+
+TEST(MeshTool, SaysWhatIsWrong) {
+  const auto said = [](const std::string& tool) {
+    TextRun run("<plugin name='contact'/>" +
+                thread("a", Vec3(0, 0, 5e-3), Vec3::UnitX(), 0.02, 10) + tool +
+                "<Contact tool='tool'/>");
+    EXPECT_FALSE(run);
+    return run.said();
+  };
+  EXPECT_NE(said("<Tool name='tool' shape='mesh'/>").find("mesh file"), std::string::npos);
+  EXPECT_NE(said("<Tool name='tool' shape='mesh' file='hok.obj'/>").find("no such file"),
+            std::string::npos);
+  EXPECT_NE(said("<Tool name='tool' shape='box' file='hook.obj'/>").find("expected shape=\"mesh\""),
+            std::string::npos);
+  const std::string file = SUTURA_BINARY_DIR "/wrong.obj";
+  std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n";
+  EXPECT_NE(said("<Tool name='tool' shape='mesh' file='" + file + "'/>").find("wrong.obj:4"),
+            std::string::npos);
+  std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_NE(said("<Tool name='tool' shape='mesh' file='" + file + "'/>").find("not closed"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace sutura::testing
