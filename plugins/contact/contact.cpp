@@ -8,12 +8,19 @@
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
+#include "sutura/laws/static_friction.h"
 #include "sutura/laws/unilateral.h"
 #include "sutura/passage.h"
 #include "sutura/scene.h"
 #include "sutura/units.h"
 
 namespace sutura::contact {
+namespace {
+
+// What slips slower than this does not slide, and may hold by static friction again.
+constexpr Real slow = 1e-4;  // m/s
+
+}  // namespace
 
 void Contact::describe(Describe<Contact>& d) {
   d.summary(
@@ -35,6 +42,9 @@ void Contact::describe(Describe<Contact>& d) {
       .named_only();
   d.attribute("friction", &Contact::friction_, "1", between(0, 100),
               "Coulomb coefficient of the pair.");
+  d.attribute("static_friction", &Contact::static_friction_, "1", between(0, 100),
+              "The same at rest, if it is larger: what lies still holds up to it, what slides is "
+              "dragged with 'friction'.");
   d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
               "By how much the surfaces give way along the normal under a force at one touch; 0: "
               "they are hard. A thread of diameter d gives about 1 / (E d) across.");
@@ -50,6 +60,11 @@ void Contact::describe(Describe<Contact>& d) {
 
 void Contact::initialise(Setup& setup) {
   source_id_ = setup.source_id;
+  if (says("static_friction") && static_friction_ < friction_) {
+    setup.error(*this, "'static_friction' is " + format_real(static_friction_) +
+                           ", less than 'friction', " + format_real(friction_));
+    return;
+  }
   pair_ = make_pair(setup);
 }
 
@@ -130,11 +145,14 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
     axes.row(1) = is_clear ? along.normalized() : t.normal.unitOrthogonal();
     axes.row(2) = t.normal.cross(Vec3(axes.row(1)));
     const Key key = make_key(source_id_, t.id);
-    if (friction_ > 0) {
+    if (has_friction()) {
       Vec3 gap = axes * pair_->slip(t);
       gap.tail<2>() += t.left_over;
       gap[0] = t.gap;
-      blocks_.push_back(builder.add<Coulomb>(key, {friction_, compliance_}, gap));
+      blocks_.push_back(
+          is_sticky() ? builder.add<StaticFriction>(
+                            key, {static_friction_, friction_, compliance_, slow * context.dt}, gap)
+                      : builder.add<Coulomb>(key, {friction_, compliance_}, gap));
       pair_->couple(t, blocks_.back(), axes, builder);
     } else {
       blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
@@ -179,7 +197,7 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     largest_force_ = std::max(largest_force_, normal);
     pair_->tell_force(t, force);
     const bool sticks =
-        friction_ > 0 && static_cast<Friction>(solved.mode(block)) == Friction::stick;
+        has_friction() && StaticFriction::state(solved.mode(block)) == Friction::stick;
     t.left_over = sticks ? Vec2(solved.delta(block).tail<2>()) : Vec2(Vec2::Zero());
   }
   memory_.remember(touches_);

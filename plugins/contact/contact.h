@@ -1,6 +1,7 @@
 // Component Contact: two partners do not pass through each other, and rub.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,7 +30,10 @@ class Contact : public Component, public ConstraintSource {
 
   Link<Body> first_, second_;
   Link<RigidTool> tool_;
-  Real friction_ = 0.2;
+  bool is_sticky() const { return static_friction_ > friction_; }
+  bool has_friction() const { return std::max(friction_, static_friction_) > 0; }
+
+  Real friction_ = 0.2, static_friction_ = 0;
   Real compliance_ = 0;
 
   Index source_id_ = 0;

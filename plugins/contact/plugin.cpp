@@ -1,4 +1,5 @@
 // Plugin "contact": rigid tools, and what touches what.
+#include "sutura/laws/static_friction.h"
 #include "sutura/plugin.h"
 
 #include "contact.h"
@@ -9,6 +10,7 @@ namespace {
 void enrol_contact(sutura::Registry& registry) {
   registry.component<sutura::contact::RigidTool>("Tool");
   registry.component<sutura::contact::Contact>("Contact");
+  registry.law<sutura::StaticFriction>();
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The generic laws, one block at a time.
 #include "law_check.h"
 #include "sutura/laws/coulomb.h"
+#include "sutura/laws/static_friction.h"
 #include "sutura/laws/unilateral.h"
 
 using namespace sutura;
@@ -192,6 +193,44 @@ TEST(CoulombLaw, IsOneOfTheEnumeratedSolutions) {
   EXPECT_GT(states[2], draws / 10);
   EXPECT_LT(several, draws / 10);
   EXPECT_LT(missed, draws / 1000);
+}
+
+// In each of its two levels it is Coulomb's law, which is enumerated above; only an event changes
+// the level within a step, and only from rest to sliding.
+TEST(StaticFrictionLaw, IsCoulombsInEachLevel) {
+  std::mt19937_64 random(11);
+  int broke_away = 0, held_between = 0;
+  for (int i = 0; i < draws; ++i) {
+    const Mat3 W = random_spd<3>(random);
+    const Vec3 d = draw_vector<3>(random);
+    const StaticFriction::Params p{
+        .mu_static = 0.6, .mu_kinetic = 0.3, .compliance = i % 2 ? 0.1 : 0., .stick_slip = 1e-3};
+    Mode rest = 0, slide = StaticFriction::sliding;
+    const Vec3 at_rest = project_twice<StaticFriction>(W, d, p, rest);
+    const Vec3 sliding = project_twice<StaticFriction>(W, d, p, slide);
+    Mode mode = 0;
+    EXPECT_EQ(at_rest, project_twice<Coulomb>(W, d, {0.6, p.compliance}, mode));
+    EXPECT_EQ(rest, mode);
+    EXPECT_EQ(sliding, project_twice<Coulomb>(W, d, {0.3, p.compliance}, mode));
+    EXPECT_EQ(slide, mode | StaticFriction::sliding);
+    const Vec3 delta = W * at_rest + d;
+    const Real slip = delta.tail<2>().norm();
+    const bool slips = mode == static_cast<Mode>(Friction::slip);
+    Mode after = rest;
+    const bool event = StaticFriction::event(p, delta, after, at_rest);
+    EXPECT_EQ(event, rest == static_cast<Mode>(Friction::slip) && slip > p.stick_slip);
+    EXPECT_EQ(after, event ? (rest | StaticFriction::sliding) : rest);
+    EXPECT_FALSE(StaticFriction::event(p, delta, after, at_rest)) << "once";
+    broke_away += event;
+    held_between += slips && rest == static_cast<Mode>(Friction::stick);
+    // Sliding on, or back to rest.
+    const Vec3 moved = W * sliding + d;
+    const Mode next = StaticFriction::next_mode(p, moved, slide, sliding);
+    EXPECT_EQ((next & StaticFriction::sliding) != 0,
+              slips && moved.tail<2>().norm() > p.stick_slip);
+  }
+  EXPECT_GT(broke_away, draws / 100);
+  EXPECT_GT(held_between, draws / 100);
 }
 
 TEST(CoulombLaw, TangentIsFirstOrderExact) {

@@ -11,16 +11,17 @@ namespace sutura::testing {
 namespace {
 
 /// A thread of 20 mm that lies down the slope, its lower end at the origin; x leads down.
-std::string thread_on_plane(Real degrees, Real mu) {
+std::string thread_on_plane(Real degrees, Real mu, const std::string& more = "", Real speed = 0) {
   const Real angle = degrees * std::numbers::pi / 180;
   const Real down = std::cos(angle), drop = std::sin(angle), r = 0.1e-3;
   const auto vector = [](Real x, Real z) { return std::to_string(x) + " 0 " + std::to_string(z); };
   return "<plugin name='contact'/>"
          "<SutureThread name='suture' needle_length='0' thread='4-0 polypropylene' "
          "thread_diameter='0.2 mm' thread_length='20 mm' thread_beams='10' tip='" +
-         vector(r * drop, r * down) + "' tip_direction='" + vector(down, -drop) +
-         "'/><Tool name='plane' shape='plane' axis='" + vector(drop, down) +
-         "'/><Contact tool='plane' friction='" + std::to_string(mu) + "'/>";
+         vector(r * drop, r * down) + "' tip_direction='" + vector(down, -drop) + "' velocity='" +
+         vector(speed * down, -speed * drop) + "'/><Tool name='plane' shape='plane' axis='" +
+         vector(drop, down) + "'/><Contact tool='plane' friction='" + std::to_string(mu) + "' " +
+         more + "/>";
 }
 
 TEST(Incline, SticksOrSlidesAsTheReferenceSays) {
@@ -56,6 +57,38 @@ TEST(Incline, SticksOrSlidesAsTheReferenceSays) {
   }
   EXPECT_GT(stuck, 7);
   EXPECT_GT(slid, 8);
+}
+
+// Between the two coefficients: what lies still stays, what slides is dragged by the lower one.
+// Above both it breaks away, and is dragged by the lower one from the first step on.
+TEST(Incline, HoldsMoreAtRestThanItDrags) {
+  constexpr Real g = 9.81, mu = 0.3;
+  const std::string held = "static_friction='0.5'";
+  struct Case {
+    Real degrees, speed;
+    bool slides;
+  };
+  for (const Case& c : {Case{22, 0, false}, Case{22, 0.05, true}, Case{30, 0, true}}) {
+    const Real angle = c.degrees * std::numbers::pi / 180;
+    TextRun run(thread_on_plane(c.degrees, mu, held, c.speed), "dt='10 ms'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.3);
+    const Vec3 begin = run.vector("/suture", "tip_velocity"),
+               at = run.vector("/suture", "tip_position");
+    run.run(0.8);
+    const Real gained = (run.vector("/suture", "tip_velocity") - begin).norm();
+    if (c.slides)
+      EXPECT_NEAR(gained, 0.5 * g * (std::sin(angle) - mu * std::cos(angle)), 1e-4 * g);
+    else
+      EXPECT_LT((run.vector("/suture", "tip_position") - at).norm(), 1e-9);
+  }
+  // Slowed down on a slope between the two, it comes to rest and stays, for good.
+  TextRun run(thread_on_plane(15, mu, held, 0.1), "dt='10 ms'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.5);
+  EXPECT_LT(run.vector("/suture", "tip_velocity").norm(), 1e-9);
+  TextRun wrong(thread_on_plane(20, mu, "static_friction='0.2'"));
+  EXPECT_NE(wrong.said().find("less than 'friction'"), std::string::npos);
 }
 
 // What each step may be off its law must not add up.
