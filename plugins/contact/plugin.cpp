@@ -1,9 +1,9 @@
 // Plugin "contact": rigid tools, and what touches what.
-#include "sutura/laws/static_friction.h"
 #include "sutura/plugin.h"
 
 #include "contact.h"
 #include "rigid_tool.h"
+#include "sutura/laws/static_friction.h"
 
 namespace {
 

@@ -58,6 +58,7 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
   }
   if (!is_self_) meet(true, reach, out);
   drop_doubles(out);
+  meet_edges(reach, depth * edge_length(), out);
 }
 
 void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {
@@ -165,7 +166,8 @@ void SurfaceSurface::drop_doubles(std::vector<Touch>& out) {
 }
 
 Vec3 SurfaceSurface::slip(const Touch& t) const {
-  const Vec3 slip = nodes_of(t).moved(t.node) - faces_of(t).moved(t.triangle, t.weights);
+  const Vec3 slip =
+      nodes_of(t).moved(t.node_triangle, t.node_weights) - faces_of(t).moved(t.triangle, t.weights);
   return t.nodes_are_second ? Vec3(-slip) : slip;
 }
 
@@ -185,8 +187,8 @@ void SurfaceSurface::couple(const Touch& t, BlockId block, const Directions& axe
     couple_node(), couple_face();
 }
 
-Pair::Tolerance SurfaceSurface::tolerance(const Touch&) const {
-  return {0.5, std::numeric_limits<Real>::infinity()};
+Pair::Tolerance SurfaceSurface::tolerance(const Touch& t) const {
+  return {0.5, t.node < 0 ? 0.5 : std::numeric_limits<Real>::infinity()};
 }
 
 Real SurfaceSurface::edges_inside(const MovingSurface& edges, const MovingSurface& solid,
@@ -215,7 +217,8 @@ Real SurfaceSurface::unseen_overlap(const std::vector<Touch>& touches) {
   for (const Touch& t : touches) {
     auto& nodes = t.nodes_are_second ? touched_second_ : touched_first_;
     auto& faces = t.nodes_are_second ? touched_first_ : touched_second_;
-    nodes[static_cast<std::size_t>(t.node)] = 1;
+    for (const Index node : nodes_of(t).nodes(t.node_triangle))
+      if (t.node < 0 || node == t.node) nodes[static_cast<std::size_t>(node)] = 1;
     for (const Index node : faces_of(t).nodes(t.triangle))
       faces[static_cast<std::size_t>(node)] = 1;
   }
@@ -246,9 +249,13 @@ Real SurfaceSurface::distance() const {
     add_normals(now.first_, now.normals_first_);
     add_normals(now.second_, now.normals_second_);
     const Real unseen = now.unseen_overlap({});
-    const Real nodes = std::min(smallest_distance(now.first_, now.second_),
-                                smallest_distance(now.second_, now.first_));
-    return unseen > 0 ? std::min(nodes, -unseen) : nodes;
+    Real smallest = std::min(smallest_distance(now.first_, now.second_),
+                             smallest_distance(now.second_, now.first_));
+    if (unseen > 0) smallest = std::min(smallest, -unseen);
+    std::vector<Touch> crossed;
+    now.meet_edges(std::max(smallest, Real(0)), depth * now.edge_length(), crossed);
+    for (const Touch& t : crossed) smallest = std::min(smallest, t.gap);
+    return smallest;
   }
   // Of one with itself only what faces each other counts, wider and wider until something does.
   add_normals(now.first_, now.normals_first_);

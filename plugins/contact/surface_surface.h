@@ -1,8 +1,9 @@
 // Touches of two surfaces, or of one with itself: nodes of each against triangles of the other that
-// face them.
+// face them, and edges that stand out against each other.
 #pragma once
 
 #include "moving_surface.h"
+#include "surface_edges.h"
 #include "touch.h"
 
 namespace sutura::contact {
@@ -47,6 +48,11 @@ class SurfaceSurface : public Pair {
   };
   Passing passing(const MovingSurface& nodes, Index node, const MovingSurface& faces,
                   Index triangle) const;
+  /// Edges of the first against edges of the second. `deepest`: further through they are not taken
+  /// for touching (m).
+  void meet_edges(Real reach, Real deepest, std::vector<Touch>& out);
+  void meet_edges(Index i, const SurfaceEdges::Edge& e, Index j, const SurfaceEdges::Edge& f,
+                  Real reach, Real deepest, std::vector<Touch>& out);
   void drop_doubles(std::vector<Touch>& out);
   /// How deep edges of one are inside of the other, at their quarters. `touched`: by node; edges of
   /// triangles with such a node are left out.
@@ -56,6 +62,7 @@ class SurfaceSurface : public Pair {
 
   MovingSurface first_, second_;
   bool is_self_;
+  SurfaceEdges edges_first_, edges_second_;
   std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside
   std::vector<char> touched_first_, touched_second_;  ///< by node
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1

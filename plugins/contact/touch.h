@@ -14,9 +14,9 @@ struct Touch {
   Real first_place = 0, second_place = 0;
   Vec3 second_local = Vec3::Zero();  ///< of a tool: seen from its shape
   Index triangle = -1;               ///< of a surface
-  Index node = -1;                   ///< of two surfaces: what meets the triangle
-  Index node_triangle = -1;          ///< it is a corner of this one,
-  Vec3 node_weights = Vec3::Zero();  ///< this one
+  Index node = -1;                   ///< of two surfaces: what meets the triangle; -1: an edge does
+  Index node_triangle = -1;          ///< a corner of this one, or a point of its edge,
+  Vec3 node_weights = Vec3::Zero();  ///< there, barycentric
   bool nodes_are_second = false;     ///< the triangle is one of the first
   Vec3 weights = Vec3::Zero();       ///< in the triangle, barycentric
   Vec3 normal = Vec3::UnitZ();       ///< unit, from the second to the first

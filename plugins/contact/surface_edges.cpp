@@ -1,0 +1,90 @@
+#include "surface_edges.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace sutura::contact {
+namespace {
+
+// Cosine between the sides of an edge that stands out: 18 degrees or more. Flatter ones are seen by
+// the nodes around.
+constexpr Real flat = 0.95;
+
+struct Sides {
+  Vec3 first, second;  ///< normals, unit
+  bool is_ridge = false;
+};
+
+Sides sides(const MovingSurface& surface, const SurfaceEdges::Edge& e, Real time) {
+  Corners c[2];
+  Vec3 n[2];
+  for (std::size_t k = 0; k < 2; ++k) {
+    c[k] = surface.at(e.triangle[k], time);
+    n[k] = (c[k][1] - c[k][0]).cross(c[k][2] - c[k][0]).normalized();
+  }
+  // The corner of the second side that is not on the edge lies below the plane of the first.
+  const auto& nodes = surface.nodes(e.triangle[1]);
+  std::size_t opposite = 0;
+  while (nodes[opposite] == e.node[0] || nodes[opposite] == e.node[1]) ++opposite;
+  const bool is_convex = n[0].dot(c[1][opposite] - c[0][0]) < 0;
+  return {n[0], n[1], is_convex && n[0].dot(n[1]) < flat};
+}
+
+}  // namespace
+
+void SurfaceEdges::learn(const MovingSurface& surface) {
+  known_ = true;
+  struct Side {
+    Index low, high, triangle, from, to;
+  };
+  std::vector<Side> sides;
+  for (Index t = 0; t < surface.triangles(); ++t)
+    for (Index k = 0; k < 3; ++k) {
+      const auto& nodes = surface.nodes(t);
+      const Index next = (k + 1) % 3;
+      const Index a = nodes[static_cast<std::size_t>(k)], b = nodes[static_cast<std::size_t>(next)];
+      sides.push_back({std::min(a, b), std::max(a, b), t, a < b ? k : next, a < b ? next : k});
+    }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  of_triangle_.assign(static_cast<std::size_t>(surface.triangles()), {-1, -1, -1});
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i + 1;
+    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
+      ++end;
+    if (end == i + 2) {  // where two parts meet in an edge only, it has four sides, and is left out
+      auto& slots = of_triangle_[static_cast<std::size_t>(sides[i].triangle)];
+      *std::find(slots.begin(), slots.end(), -1) = static_cast<Index>(edges_.size());
+      edges_.push_back({{sides[i].low, sides[i].high},
+                        {sides[i].triangle, sides[i + 1].triangle},
+                        {sides[i].from, sides[i].to}});
+    }
+    i = end;
+  }
+}
+
+Segment SurfaceEdges::at(const MovingSurface& surface, const Edge& edge, Real time) {
+  const Corners c = surface.at(edge.triangle[0], time);
+  return {c[static_cast<std::size_t>(edge.corner[0])], c[static_cast<std::size_t>(edge.corner[1])]};
+}
+
+Vec3 SurfaceEdges::outward(const MovingSurface& surface, const Edge& edge, Real time) {
+  const Sides s = sides(surface, edge, time);
+  return s.is_ridge ? Vec3(s.first + s.second) : Vec3(Vec3::Zero());
+}
+
+/// A direction across the edge is between the normals of its sides if each of these is turned
+/// towards it by no more than towards the other.
+bool SurfaceEdges::faces(const MovingSurface& surface, const Edge& edge, const Vec3& direction,
+                         Real time) {
+  constexpr Real rounding =
+      1e-3;  // where a flat side lies on another one, the direction is its normal
+  const Sides s = sides(surface, edge, time);
+  if (!s.is_ridge) return false;
+  const Vec3 turn = s.first.cross(s.second);
+  return s.first.cross(direction).dot(turn) > -rounding &&
+         direction.cross(s.second).dot(turn) > -rounding && direction.dot(s.first + s.second) > 0;
+}
+
+}  // namespace sutura::contact

@@ -1,0 +1,52 @@
+// The ridges of a surface: edges that stand out, where another edge can touch it though no node of
+// one is at a triangle of the other.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "moving_surface.h"
+
+namespace sutura::contact {
+
+class SurfaceEdges {
+ public:
+  struct Edge {
+    std::array<Index, 2> node{};
+    std::array<Index, 2> triangle{};
+    std::array<Index, 2> corner{};  ///< of the first triangle: where the two nodes are
+    /// Of the point at u in [0, 1], in the first triangle.
+    Vec3 weights(Real u) const {
+      return (1 - u) * Vec3::Unit(corner[0]) + u * Vec3::Unit(corner[1]);
+    }
+    bool meets(const Edge& other) const {
+      return node[0] == other.node[0] || node[0] == other.node[1] || node[1] == other.node[0] ||
+             node[1] == other.node[1];
+    }
+  };
+  /// All edges between two triangles, once.
+  void learn(const MovingSurface& surface);
+  bool known() const { return known_; }
+  const std::vector<Edge>& all() const { return edges_; }
+  /// Calls item(number) for the edges whose first triangle this is.
+  template <class Item>
+  void of(Index triangle, const Item& item) const {
+    for (const Index e : of_triangle_[static_cast<std::size_t>(triangle)])
+      if (e >= 0) item(e);
+  }
+
+  /// Where it is at a time of the step.
+  static Segment at(const MovingSurface& surface, const Edge& edge, Real time);
+  /// Does it stand out, and can what comes from `direction` (unit) touch it before its sides?
+  static bool faces(const MovingSurface& surface, const Edge& edge, const Vec3& direction,
+                    Real time);
+  /// Mean outward direction of its sides, not unit; zero of an edge that does not stand out.
+  static Vec3 outward(const MovingSurface& surface, const Edge& edge, Real time);
+
+ private:
+  bool known_ = false;
+  std::vector<Edge> edges_;
+  std::vector<std::array<Index, 3>> of_triangle_;
+};
+
+}  // namespace sutura::contact
