@@ -44,6 +44,7 @@ TEST_P(SecondRun, AllocatesNothing) {
   for (int i = 0; i < steps; ++i) simulation.step();
   ASSERT_EQ(simulation.restore(start), "");
   int counted = 0;
+  Index rows = 0;
   for (int i = 0; i < steps; ++i) {
     const Real analyses = analyses_now();
     const long before = test::allocations();
@@ -56,9 +57,10 @@ TEST_P(SecondRun, AllocatesNothing) {
     EXPECT_EQ(here, 0) << "step " << i << ", " << report.rows << " rows, " << report.parts
                        << " parts, " << report.passes << " passes";
     ++counted;
+    rows = std::max(rows, report.rows);
   }
   EXPECT_GT(counted, 80);
-  EXPECT_GT(simulation.report().rows, 10);
+  EXPECT_GT(rows, 10);
 }
 
 std::vector<fs::path> touching_scenes() {
