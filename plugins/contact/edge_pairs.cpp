@@ -7,7 +7,8 @@
 namespace sutura::contact {
 namespace {
 
-constexpr Real parallel = 0.1;  // sine of the angle below which edges lie along each other
+constexpr Real touching = 1e-3;  // of the depth that touches see: edges that are as near meet
+constexpr Real parallel = 0.1;   // sine of the angle below which edges lie along each other
 
 /// Two edges at a time of the step: their common normal, from the second to the first, and how far
 /// they are apart along it.
@@ -94,7 +95,10 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
       const Real middle = (low + high) / 2;
       (at(middle, begin.normal).gap > std::min(begin.gap, Real(0)) ? low : high) = middle;
     }
-    if (const Crossing met = at(high, begin.normal); met.is_inner) {
+    // Where they only turn past each other the gap changes its sign, too, and they are apart.
+    const Crossing met = at(high, begin.normal);
+    const Real overlap = std::max(-begin.gap, Real(0)) + touching * deepest;
+    if (met.is_inner && met.on.squared_distance < overlap * overlap) {
       free_way_ = std::min(free_way_, low);
       return touch(met);
     }
