@@ -12,12 +12,14 @@ constexpr Real margin = 1;       // a touch is built from this far, before there
 constexpr Real clearance = 0.5;  // a centreline may come as near to the surface on its way
 constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;        // around the mouth of a channel, the channel holds the curve
+constexpr Real clear = 0.75;     // of the surface: as much may overlap where a touch begins
 constexpr Real point = 6;        // so long is a needle's point, which presses by a law of its own
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
-constexpr int parts = 2;          // chords of a segment
-constexpr Real other_side = 0.7;  // sides whose normals are closer than this (cosine) are one
+constexpr int most_handed_over = 3;  // segments beyond the mouth
+constexpr int parts = 2;             // chords of a segment
+constexpr Real other_side = 0.7;     // sides whose normals are closer than this (cosine) are one
 
 }  // namespace
 
@@ -31,8 +33,32 @@ void CurveSurface::look(bool standing) {
     s.low -= mouth * curve_.radius(s.low);
     s.high += mouth * curve_.radius(s.high);
   }
+  for (Passage::Stretch& s : inside_) hand_over(s);
   if (passage_ != nullptr && curve_.needle_length() > 0)
     inside_.push_back({0, point * curve_.radius(0)});
+}
+
+/// What has just come out of a channel may still be in the surface. It stays with the channel until
+/// it is clear: a touch would bar its way from the start, or throw it out.
+void CurveSurface::hand_over(Passage::Stretch& stretch) {
+  const auto is_clear = [&](std::size_t i) {
+    const CurveSegment& s = seen_.start[i];
+    Box box;
+    MovingCurve::add_to(box, s);
+    Real distance = s.radius;
+    surface_.near(box.grown(s.radius), [&](Index t) {
+      distance = std::min(distance, closest(s, t, surface_.at(t, 0)).distance);
+    });
+    return distance >= clear * s.radius;
+  };
+  const std::size_t n = seen_.size();
+  std::size_t first = 0, last = n;
+  while (first < n && seen_.now[first].to <= stretch.low) ++first;
+  while (last > first && seen_.now[last - 1].from >= stretch.high) --last;
+  for (int k = 0; k < most_handed_over && first > 0 && !is_clear(first - 1); ++k)
+    stretch.low = seen_.now[--first].from;
+  for (int k = 0; k < most_handed_over && last < n && !is_clear(last); ++k)
+    stretch.high = seen_.now[last++].to;
 }
 
 bool CurveSurface::is_inside(Real low, Real high) const {

@@ -34,6 +34,7 @@ class CurveSurface : public Pair {
     Real distance = 0;          ///< m
   };
   void look(bool standing);
+  void hand_over(Passage::Stretch& stretch);
   bool is_inside(Real low, Real high) const;
   void meet(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
   Near closest(const CurveSegment& s, Index triangle, const Corners& at) const;
