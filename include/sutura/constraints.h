@@ -58,6 +58,7 @@ struct ConstraintBlock {
   Key key;
   BlockUnits units;
   Mode mode = 0;
+  bool redundant = false;  ///< see ConstraintBuilder::mark_redundant
   Real violation = 0;      ///< on exit of a solve: how far from its law (m)
   Vec3 at = Vec3::Zero();  ///< where it acts (m)
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
@@ -108,6 +109,10 @@ class ConstraintBuilder {
               Mode mode = 0, BlockUnits units = {}) {
     return add_block(&law_operations<L>, key, &params, gap.data(), mode, units);
   }
+  /// Other blocks may say the same as this one, or contradict it, as touches that lie close
+  /// together do. The solver may then leave a gap of it a little wrong in one pass; the next takes
+  /// that back.
+  void mark_redundant(BlockId block);
   /// Force of the first row of the block with this key in the pass before, or in the step before
   /// (N); 0 if there was none. For stiffnesses that grow with it.
   Real known_force(Key key) const;

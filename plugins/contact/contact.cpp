@@ -158,6 +158,7 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
       blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }
+    builder.mark_redundant(blocks_.back());
     stiffen(context, t, builder);
   }
 }

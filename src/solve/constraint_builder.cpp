@@ -48,6 +48,11 @@ Real ConstraintBuilder::known_force(Key key) const {
   return known != nullptr ? memory.lambda[static_cast<std::size_t>(known->first)] : Real(0);
 }
 
+void ConstraintBuilder::mark_redundant(BlockId block) {
+  assert(block.valid());
+  problem_.blocks[static_cast<std::size_t>(block.index)].redundant = true;
+}
+
 void ConstraintBuilder::accept() {
   step_before_.remember(problem_, Warm::step_before);
 }

@@ -271,20 +271,24 @@ void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real
     Real length = 1;
     stops_.assign(blocks, Real(2));
     for (std::size_t i = 0; i < blocks; ++i) {
-      if (tangents_[i].count == 0 || admissible(problem, compliance, problem.lambda, i)) continue;
-      Real low = 0, high = 1;
+      if (tangents_[i].count == 0) continue;
       const ConstraintBlock& b = problem.blocks[i];
       auto here = problem.lambda.segment(b.first_row, b.law->dim);
-      const auto at = [&](Real t) {
+      const auto may_go = [&](Real t) {
         here = from.segment(b.first_row, b.law->dim) + t * way.segment(b.first_row, b.law->dim);
+        return admissible(problem, compliance, problem.lambda, i);
       };
-      for (int k = 0; k < 50; ++k) {
-        at(0.5 * (low + high));
-        (admissible(problem, compliance, problem.lambda, i) ? low : high) = 0.5 * (low + high);
+      // Only who stops first matters: whoever gets as far as that need not be followed further.
+      if (!may_go(length)) {
+        Real low = 0, high = length;
+        while (high - low > 1e-15) {
+          const Real middle = 0.5 * (low + high);
+          (may_go(middle) ? low : high) = middle;
+        }
+        stops_[i] = low;
+        length = low;
       }
-      at(1);
-      stops_[i] = low;
-      length = std::min(length, low);
+      may_go(1);
     }
     if (length == 1) {
       // Free to go all the way. Now the one clamped block that most wants to leave its limit may.

@@ -10,6 +10,7 @@
 #include "scenes/text_run.h"
 #include "stability/contact/crossings.h"
 #include "support/knots.h"
+#include "support/laid_out_knot.h"
 
 namespace sutura::testing {
 namespace {
@@ -19,39 +20,6 @@ constexpr KnotInvariant no_knot{1, 1}, trefoil{3, 2};
 int runs() {
   const char* asked = std::getenv("SUTURA_SHOTS");
   return 2 * (asked != nullptr ? std::atoi(asked) : 5);
-}
-
-/// A polynomial curve that comes from far away and goes far away: Shastri's trefoil (1992,
-/// "Polynomial representations of knots"), or, drawn by the same line, one without a knot: it only
-/// climbs. There one pass of a strand through another ties the knot.
-Vec3 long_curve(Real t, bool is_knot) {
-  const Real t2 = t * t, z = is_knot ? 0.25 * (t2 * t2 - 10) * t : 0.8 * t;
-  return Vec3((t2 - 3) * t, (t2 - 4) * t2, z);
-}
-
-/// As a table of curvature and torsion, for a thread of `length` (m) that is `scale` (m) large.
-struct LaidOut {
-  std::string file;
-  Real length = 0;
-};
-LaidOut lay_out(bool is_knot, Real scale, Real end) {
-  LaidOut out{SUTURA_BINARY_DIR "/knot_" + std::to_string(is_knot) + ".csv"};
-  std::ofstream file(out.file);
-  file << std::setprecision(17) << "s [m],curvature [1/m],torsion [1/m]\n";
-  constexpr int rows = 2000;
-  const Real h = 2 * end / rows;
-  for (int i = 0; i < rows; ++i) {
-    const Real t = -end + (i + 0.5) * h;
-    Vec3 p[5];  // central differences, exact enough for polynomials of the fifth degree
-    for (int k = 0; k < 5; ++k) p[k] = scale * long_curve(t + (k - 2) * 1e-2, is_knot);
-    const Vec3 d1 = (p[3] - p[1]) / 2e-2, d2 = (p[3] - 2 * p[2] + p[1]) / 1e-4,
-               d3 = (p[4] - 2 * p[3] + 2 * p[1] - p[0]) / 2e-6;
-    const Vec3 bend = d1.cross(d2);
-    file << out.length << ',' << bend.norm() / std::pow(d1.norm(), 3) << ','
-         << bend.dot(d3) / bend.squaredNorm() << '\n';
-    out.length += h * d1.norm();
-  }
-  return out;
 }
 
 /// The thread, and its ends joined far away: along its tangents there.

@@ -1,0 +1,84 @@
+// Touches that repeat each other: the softened problem has one answer, and solving it again and
+// again from there ends at an answer of the problem itself.
+#include "solve/redundant_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "solve/gauss_seidel.h"
+#include "solve_problems.h"
+#include "sutura/laws/coulomb.h"
+
+using namespace sutura;
+using namespace sutura::test;
+
+namespace {
+
+/// `touches` places with friction on a body of few freedoms: W = H H^T has their number for rank.
+ConstraintProblem many_touches(int touches, int freedoms, Real mu, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<Real> normal;
+  const MatX H = MatX::NullaryExpr(3 * touches, freedoms, [&] { return normal(random); });
+  const VecX push = VecX::NullaryExpr(freedoms, [&] { return normal(random); });
+  ConstraintProblem p;
+  ConstraintBuilder builder(p, {});
+  for (int i = 0; i < touches; ++i)
+    builder.mark_redundant(builder.add<Coulomb>({static_cast<std::uint64_t>(i)}, {mu, 0},
+                                                BlockVector<3>(BlockVector<3>::Zero())));
+  builder.finish();
+  // A motion that the touches can undo: gaps of what some forces inside their cones would give.
+  VecX inside = VecX::Zero(3 * touches);
+  for (int i = 0; i < touches; ++i) inside[3 * i] = 0.1 + std::abs(normal(random));
+  p.W = 1e-4 * H * H.transpose();  // m/N
+  p.d_free = 1e-4 * H * push - p.W * inside;
+  return p;
+}
+
+/// By how much lambda misses the laws of the problem without softening.
+Real missed(const ConstraintProblem& original, const VecX& lambda) {
+  ConstraintProblem p = original;
+  p.lambda = lambda;
+  Compliance compliance;
+  compliance.prepare(p);
+  compliance.update_delta(p);
+  GrowingVec plus;
+  return natural_map(p, compliance, plus).violation;
+}
+
+TEST(RedundantRows, OtherBlocksStayAsTheyAre) {
+  ConstraintProblem p = many_touches(4, 6, 0.3, 1);
+  p.blocks[2].redundant = false;
+  const ConstraintProblem before = p;
+  p.lambda.setConstant(0.5);
+  soften_redundant_rows(p);
+  const MatX change = p.W - before.W;
+  EXPECT_EQ((change - MatX(change.diagonal().asDiagonal())).norm(), 0);
+  for (Index i = 0; i < p.rows(); ++i) {
+    EXPECT_EQ(change(i, i) > 0, i / 3 != 2) << i;
+    // At the forces that it starts from nothing has changed.
+    EXPECT_NEAR(
+        (p.W.row(i) * p.lambda + p.d_free[i]) - (before.W.row(i) * p.lambda + before.d_free[i]), 0,
+        1e-15 * p.W.row(i).cwiseAbs().sum());
+  }
+}
+
+TEST(RedundantRows, SolvedInFewSweepsAndRightInTheEnd) {
+  for (unsigned seed = 0; seed < 20; ++seed)
+    for (const Real mu : {0.0, 0.1, 0.4}) {
+      const ConstraintProblem original = many_touches(40, 12, mu, seed);
+      ConstraintProblem p = original;
+      for (int pass = 0; pass < 12; ++pass) {
+        p.W = original.W;
+        p.d_free = original.d_free;
+        soften_redundant_rows(p);
+        const SolveReport report = BlockGaussSeidel({.tolerance = 1e-9}).solve(p);
+        EXPECT_TRUE(report.converged) << seed << " " << mu << " pass " << pass;
+        EXPECT_LE(report.sweeps, 300) << seed << " " << mu << " pass " << pass;
+      }
+      // A hundredth of the tolerance that a step has for gaps.
+      EXPECT_LE(missed(original, p.lambda), 1e-8) << seed << " " << mu;
+    }
+}
+
+}  // namespace
