@@ -6,7 +6,6 @@
 #include "runtime/best_guess.h"
 #include "runtime/better_guess.h"
 #include "solve/law_check.h"
-#include "solve/redundant_rows.h"
 #include "sutura/simulation.h"
 
 namespace sutura {
@@ -79,7 +78,6 @@ void Simulation::solve() {
   law_check_->begin(problem_);
   problem_.hold_events = true;
   const Index events = report_.solve.events;
-  soften_redundant_rows(problem_);
   lambda_change_ = -problem_.lambda;
   report_.solve = problem_.rows() > 0 ? ask(solver_).solve(problem_) : SolveReport{};
   report_.solve.events = events;

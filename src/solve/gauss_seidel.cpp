@@ -6,6 +6,16 @@
 
 namespace sutura {
 
+namespace {
+
+// Rows that repeat each other (redundant_rows.h): sweeps after which they are softened, how often
+// what gave way is taken back, and what need not be (m).
+constexpr Index patience = 5;
+constexpr int most_taken_back = 3;
+constexpr Real negligible = 1e-12;
+
+}  // namespace
+
 /// A new order for every sweep: good whatever the graph of contacts (algorithms.md, finding 5).
 /// Seeded per solve, so that the result depends on the problem and the seed alone.
 void BlockGaussSeidel::shuffle() {
@@ -87,6 +97,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   last_gradient_ = 0;
   if (options_.acceleration == Acceleration::nncg) search_.setZero(problem.rows());
 
+  bool softened = false;
+  int taken_back = 0;
   trouble_.clear();
   on_device_ = device_ != nullptr && device_->load(problem);
   if (device_ != nullptr && !on_device_) trouble_ = device_->why_not();
@@ -99,6 +111,25 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   while (true) {
     if (!std::isfinite(residual.value)) break;
     const bool converged = residual.value <= options_.tolerance;
+    if (converged && softened && taken_back < most_taken_back) {
+      ++taken_back;
+      if (redundant_.take_back(problem) > negligible) {
+        compliance_.update_delta(problem);
+        residual = natural_map(problem, compliance_, lambda_plus_);
+        continue;
+      }
+    }
+    if (!converged && !softened && report.sweeps >= patience && redundant_.soften(problem)) {
+      softened = true;
+      compliance_.prepare(problem);
+      subspace_.begin();
+      if (on_device_) on_device_ = device_->load(problem);
+      compliance_.update_delta(problem);
+      residual = natural_map(problem, compliance_, lambda_plus_);
+      pause = 0;
+      wait = 1;
+      continue;
+    }
     // A problem that will not converge to the tolerance must not hold its events for ever.
     if (converged || (residual.value <= event_gate && 2 * report.sweeps >= options_.sweeps)) {
       const Index fired = problem.hold_events ? 0 : fire_events(problem);

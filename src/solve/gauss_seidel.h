@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solve/law_residual.h"
+#include "solve/redundant_rows.h"
 #include "solve/subspace_step.h"
 #include "sutura/constraints.h"
 #include "sutura/device.h"
@@ -47,6 +48,7 @@ class BlockGaussSeidel {
   GaussSeidelOptions options_;
   Compliance compliance_;
   SubspaceStep subspace_;
+  RedundantRows redundant_;
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;
   SweepDevice* device_ = nullptr;

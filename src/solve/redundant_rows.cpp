@@ -1,23 +1,41 @@
 #include "solve/redundant_rows.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sutura {
 
-void soften_redundant_rows(ConstraintProblem& problem) {
+bool RedundantRows::soften(ConstraintProblem& problem) {
   // Measured on overhand knots (docs/theory/solver.md): from 1e-4 on every problem is solved in a
   // few sweeps; above 1e-3 passes begin to feel it.
   constexpr Real share = 2e-4;
+  before_.setZero(problem.rows());
+  give_.setZero(problem.rows());
+  bool any = false;
   for (const ConstraintBlock& b : problem.blocks) {
     if (!b.redundant) continue;
+    any = true;
     Real own = 0;
     for (Index i = b.first_row; i < b.first_row + b.law->dim; ++i)
       own = std::max(own, problem.W(i, i));
     for (Index i = b.first_row; i < b.first_row + b.law->dim; ++i) {
-      problem.W(i, i) += share * own;
-      problem.d_free[i] -= share * own * problem.lambda[i];
+      give_[i] = share * own;
+      problem.W(i, i) += give_[i];
     }
   }
+  if (any) take_back(problem);
+  return any;
+}
+
+Real RedundantRows::take_back(ConstraintProblem& problem) {
+  Real most = 0;
+  for (Index i = 0; i < problem.rows(); ++i) {
+    const Real given = give_[i] * (problem.lambda[i] - before_[i]);
+    problem.d_free[i] -= given;
+    most = std::max(most, std::abs(given));
+  }
+  before_ = problem.lambda;
+  return most;
 }
 
 }  // namespace sutura

@@ -51,16 +51,19 @@ TEST(RedundantRows, OtherBlocksStayAsTheyAre) {
   p.blocks[2].redundant = false;
   const ConstraintProblem before = p;
   p.lambda.setConstant(0.5);
-  soften_redundant_rows(p);
+  RedundantRows rows;
+  EXPECT_TRUE(rows.soften(p));
   const MatX change = p.W - before.W;
   EXPECT_EQ((change - MatX(change.diagonal().asDiagonal())).norm(), 0);
   for (Index i = 0; i < p.rows(); ++i) {
     EXPECT_EQ(change(i, i) > 0, i / 3 != 2) << i;
     // At the forces that it starts from nothing has changed.
-    EXPECT_NEAR(
-        (p.W.row(i) * p.lambda + p.d_free[i]) - (before.W.row(i) * p.lambda + before.d_free[i]), 0,
-        1e-15 * p.W.row(i).cwiseAbs().sum());
+    EXPECT_NEAR(p.W.row(i).dot(p.lambda) + p.d_free[i],
+                before.W.row(i).dot(p.lambda) + before.d_free[i],
+                1e-15 * p.W.row(i).cwiseAbs().sum());
   }
+  for (ConstraintBlock& b : p.blocks) b.redundant = false;
+  EXPECT_FALSE(rows.soften(p));
 }
 
 TEST(RedundantRows, SolvedInFewSweepsAndRightInTheEnd) {
@@ -68,13 +71,14 @@ TEST(RedundantRows, SolvedInFewSweepsAndRightInTheEnd) {
     for (const Real mu : {0.0, 0.1, 0.4}) {
       const ConstraintProblem original = many_touches(40, 12, mu, seed);
       ConstraintProblem p = original;
-      for (int pass = 0; pass < 12; ++pass) {
-        p.W = original.W;
-        p.d_free = original.d_free;
-        soften_redundant_rows(p);
+      RedundantRows rows;
+      rows.soften(p);
+      Real given = 1;
+      for (int again = 0; again < 12 && given > 1e-12; ++again) {
         const SolveReport report = BlockGaussSeidel({.tolerance = 1e-9}).solve(p);
-        EXPECT_TRUE(report.converged) << seed << " " << mu << " pass " << pass;
-        EXPECT_LE(report.sweeps, 300) << seed << " " << mu << " pass " << pass;
+        EXPECT_TRUE(report.converged) << seed << " " << mu << " solve " << again;
+        EXPECT_LE(report.sweeps, 300) << seed << " " << mu << " solve " << again;
+        given = rows.take_back(p);
       }
       // A hundredth of the tolerance that a step has for gaps.
       EXPECT_LE(missed(original, p.lambda), 1e-8) << seed << " " << mu;

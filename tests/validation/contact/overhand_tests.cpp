@@ -48,7 +48,8 @@ Real traction(Real scale) {
   run.run(3);
   EXPECT_TRUE(run.simulation().report().solved);
   const Real force = run.vector("/left", "force").norm();
-  EXPECT_NEAR(run.vector("/right", "force").norm(), force, 1e-3 * force);
+  // A step is solved to a hundredth of the forces.
+  EXPECT_NEAR(run.vector("/right", "force").norm(), force, 1e-2 * force);
   const Real stiffness = young * std::numbers::pi * std::pow(diameter, 4) / 64;
   return force * excess * excess / (2 * std::numbers::pi * std::numbers::pi * stiffness);
 }
@@ -72,8 +73,8 @@ TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
     EXPECT_TRUE(run.simulation().report().solved);
     forces[i] = run.vector("/left", "force").norm();
     EXPECT_LT(run.number("/contact", "distance"), 0);
-    // A sixteenth of the radius may stay between the places where strands touch (contact.md).
-    EXPECT_GT(run.number("/contact", "distance"), -0.1e-3 / 16);
+    // A twentieth of the thickness may stay between two touches (docs/theory/contact.md).
+    EXPECT_GT(run.number("/contact", "distance"), -diameter / 20);
   }
   // With friction the force remembers how the knot was drawn, over beams of one diameter: 4 % seen.
   EXPECT_NEAR(forces[0], forces[1], 0.08 * forces[1]);
