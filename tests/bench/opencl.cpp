@@ -1,7 +1,7 @@
 // The kernels of the OpenCL plugin against what the device can do at best, and one CPU core beside
 // them.
 //
-//   sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]
+//   sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES [accuracy]]]
 #include <cstdio>
 #include <cstdlib>
 
@@ -73,23 +73,31 @@ Limits measure_limits(const Device& device) {
 
 int main(int argc, char** argv) {
   using namespace sutura::opencl;
-  if (argc < 2) {
+  const bool only_accuracy = argc > 4 && std::string(argv[4]) == "accuracy";
+  if (argc < 2 || (argc > 4 && !only_accuracy)) {
     std::fprintf(stderr,
-                 "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]\n");
+                 "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES "
+                 "[accuracy]]]\n");
     return 1;
   }
   try {
     const Device device({.name = argc > 2 ? argv[2] : ""});
     const std::filesystem::path out = argv[1];
     std::filesystem::create_directories(out);
+    const sutura::Index most_nodes = argc > 3 ? std::atol(argv[3]) : 60000;
     std::printf("%s\n", device.name().c_str());
-    const Limits limits = measure_limits(device);
-    std::printf(
-        "launch %.1f us, launch and read %.1f us, barrier of 320 items %.3f us, reading %.0f "
-        "GB/s\n",
-        limits.launch, limits.round_trip, limits.barrier, limits.bandwidth / 1000);
-    const bool done = bench_sweeps(device, limits, out) &&
-                      bench_gradients(device, limits, out, argc > 3 ? std::atol(argv[3]) : 60000);
+    if (!only_accuracy) {
+      const Limits limits = measure_limits(device);
+      std::printf(
+          "launch %.1f us, launch and read %.1f us, barrier of 320 items %.3f us, reading %.0f "
+          "GB/s\n",
+          limits.launch, limits.round_trip, limits.barrier, limits.bandwidth / 1000);
+      std::ofstream(out / "device.txt") << device.name() << '\n';
+      if (!bench_sweeps(device, limits, out) || !bench_gradients(device, limits, out, most_nodes))
+        return 3;
+    }
+    const bool done =
+        bench_sweeps_accuracy(device, out) && bench_gradients_accuracy(device, out, most_nodes);
     return done ? 0 : 3;
   } catch (const sutura::DeviceError& e) {
     std::fprintf(stderr, "%s\n", e.what());

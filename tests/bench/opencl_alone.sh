@@ -1,7 +1,7 @@
 #!/bin/sh
 # The OpenCL benchmark on a machine that has a device but neither CMake nor the libraries of the rest: g++, Eigen and
 # OpenCL's headers and loader are enough. With CHOLMOD and METIS, conjugate gradients are measured too.
-#   tests/bench/opencl_alone.sh OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES]]
+#   tests/bench/opencl_alone.sh OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES [accuracy]]]
 # CPPFLAGS and LDFLAGS say where things are that are not in their usual places.
 set -eu
 cd "$(dirname "$0")/../.."
