@@ -55,5 +55,8 @@ bool bench_gradients(const Device& device, const Limits& limits, const std::file
 bool bench_sweeps_accuracy(const Device& device, const std::filesystem::path& out);
 bool bench_gradients_accuracy(const Device& device, const std::filesystem::path& out,
                               Index most_nodes);
+/// Many threads at once: threads.csv; the error of their time step: threads_accuracy.csv.
+bool bench_threads(const Device& device, const std::filesystem::path& out);
+bool bench_threads_accuracy(const Device& device, const std::filesystem::path& out);
 
 }  // namespace sutura::opencl
