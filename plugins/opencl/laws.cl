@@ -268,6 +268,16 @@ void project_coulomb(const real* W, const real* inverse, const real* d, PARAMETE
   *mode = solve_friction(A, inverse, d, p[0], INFINITY, lambda);
 }
 
+// Parameters: mu at rest, mu sliding, c, stick_slip. The mode keeps that it slides.
+void project_static_friction(const real* W, const real* inverse, const real* d,
+                             PARAMETERS const real* p, uchar* mode, real* lambda) {
+  const uchar sliding = *mode & 8;
+  real A[D * D];
+  for (int i = 0; i < D * D; ++i) A[i] = W[i];
+  A[0] += p[2];
+  *mode = sliding | (uchar)solve_friction(A, inverse, d, p[sliding ? 1 : 0], INFINITY, lambda);
+}
+
 // Parameters: normal (3), axis (3), fp, fc, mu, c, k, hold.
 void project_puncture(const real* W, const real* d, PARAMETERS const real* p, uchar* mode,
                       real* lambda) {
@@ -329,6 +339,7 @@ void project(int law, const real* W, const real* inverse, const real* d,
 #if D >= 3
     case 2: project_bilateral(3, W, inverse, d, p, mode, lambda); break;
     case 5: project_coulomb(W, inverse, d, p, mode, lambda); break;
+    case 9: project_static_friction(W, inverse, d, p, mode, lambda); break;
     case 6: project_puncture(W, d, p, mode, lambda); break;
 #endif
 #if D >= 6
@@ -347,6 +358,7 @@ void invert_with_compliance(int law, int n, const real* W, PARAMETERS const real
   for (int i = 0; i < D * D; ++i) L[i] = W[i];
   if (law == 4) L[0] += p[0];
   if (law == 5) L[0] += p[1];
+  if (law == 9) L[0] += p[2];
   for (int i = 0; i < n && law < 4; ++i) L[i + i * D] += p[0];
   for (int j = 0; j < n; ++j) {
     for (int k = 0; k < j; ++k) L[j + j * D] -= L[j + k * D] * L[j + k * D];

@@ -17,6 +17,7 @@ enum class OnFailure { stop, cpu };
 
 class OpenClDevice : public Component, public SweepDevice, public ConjugateGradientDevice {
  public:
+  static constexpr const char* interface_name = "OpenClDevice";
   std::string device;
   DeviceType type = DeviceType::any;
   Index index = 0;

@@ -1,11 +1,13 @@
 #include "sutura/plugin.h"
 
 #include "opencl_device.h"
+#include "thread_batch.h"
 
 namespace {
 
 void enrol(sutura::Registry& registry) {
   registry.component<sutura::opencl::OpenClDevice>("OpenClDevice");
+  registry.component<sutura::opencl::ThreadBatch>("ThreadBatch");
   registry.devices(&sutura::opencl::list_devices);
 }
 

@@ -7,5 +7,7 @@ extern const char* const laws;
 extern const char* const sweep;
 extern const char* const solves;
 extern const char* const gradients;
+extern const char* const batch;
+extern const char* const batch_solve;
 
 }  // namespace sutura::opencl::programs

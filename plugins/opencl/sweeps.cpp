@@ -19,6 +19,17 @@ int lanes_for(int blocks) {
 
 }  // namespace
 
+Index best_in_one_group(Precision precision) {
+  switch (precision) {
+    case Precision::single:
+      return 640;
+    case Precision::mixed:
+      return 240;
+    default:
+      return 64;
+  }
+}
+
 /// The kernels for blocks of up to `dim` rows and a number of lanes.
 struct Sweeps::Program {
   Program(const Device& device, Precision precision, int dim, int lanes)

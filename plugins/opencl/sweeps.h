@@ -12,10 +12,16 @@
 
 namespace sutura::opencl {
 
+/// How many blocks one work-group sweeps faster than many do, as measured on a GPU
+/// (docs/theory/opencl.md). What grows with precision is what an item holds in registers.
+Index best_in_one_group(Precision precision);
+
 class Sweeps {
  public:
+  Sweeps(const Device& device, Precision precision)
+      : Sweeps(device, precision, best_in_one_group(precision)) {}
   /// Problems of more blocks than `in_one_group` are swept in panels, by many work-groups.
-  Sweeps(const Device& device, Precision precision, Index in_one_group = 300);
+  Sweeps(const Device& device, Precision precision, Index in_one_group);
   ~Sweeps();
 
   /// Empty, or why the problem cannot be solved here: a law without twin.

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "device.h"
+#include "precision.h"
 
 namespace sutura::opencl {
 
@@ -31,6 +32,10 @@ double microseconds(const Work& work) {
   return best;
 }
 
+inline const char* word(Precision p) {
+  return p == Precision::double_ ? "double" : p == Precision::mixed ? "mixed" : "single";
+}
+
 /// Measured.
 struct Limits {
   double launch = 0;      ///< us, of a kernel that does nothing, in a full queue
@@ -45,5 +50,13 @@ bool bench_sweeps(const Device& device, const Limits& limits, const std::filesys
 /// Conjugate gradients: a table, and gradients.csv.
 bool bench_gradients(const Device& device, const Limits& limits, const std::filesystem::path& out,
                      Index most_nodes);
+/// What the precisions cost in accuracy; any device will do. sweeps_accuracy.csv and
+/// gradients_accuracy.csv.
+bool bench_sweeps_accuracy(const Device& device, const std::filesystem::path& out);
+bool bench_gradients_accuracy(const Device& device, const std::filesystem::path& out,
+                              Index most_nodes);
+/// Many threads at once: threads.csv; the error of their time step: threads_accuracy.csv.
+bool bench_threads(const Device& device, const std::filesystem::path& out);
+bool bench_threads_accuracy(const Device& device, const std::filesystem::path& out);
 
 }  // namespace sutura::opencl

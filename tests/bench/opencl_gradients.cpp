@@ -38,20 +38,27 @@ struct Twisted {
   double factor_ms = 0;
 };
 
+const std::array<int, 3> pads[] = {
+    {16, 16, 6}, {25, 25, 7}, {35, 35, 8}, {45, 45, 9}, {63, 63, 12}};  // cells
+
+bool is_larger(const std::array<int, 3>& cells, Index nodes) {
+  return (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1) > nodes;
+}
+
 }  // namespace
 
 bool bench_gradients(const Device& device, const Limits& limits, const std::filesystem::path& out,
                      Index most_nodes) {
   std::ofstream csv(out / "gradients.csv");
-  csv << "nodes,entries of L,precision,product us,floor us,P^-1 us,floor us,launches,solve us,"
+  csv << "nodes,entries of L,precision,product us,product floor us,P^-1 us,P^-1 floor "
+         "us,launches,solve us,"
          "iterations,CPU solve us,CPU iterations,matrix us,turns us,factor us\n";
   std::printf(
       "\nConjugate gradients to 1e-4, microseconds; floor: bytes over the bandwidth, launches\n"
       "  nodes  L [M] precision product floor     P^-1 floor launches    solve it      CPU it "
       "  matrix  turns   factor (made in ms)\n");
-  for (const std::array<int, 3> cells :
-       {std::array{16, 16, 6}, {25, 25, 7}, {35, 35, 8}, {45, 45, 9}, {63, 63, 12}}) {
-    if ((cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1) > most_nodes) continue;
+  for (const std::array<int, 3>& cells : pads) {
+    if (is_larger(cells, most_nodes)) continue;
     const Twisted twisted(cells);
     const Pad& pad = twisted.pad;
     SupernodalFactor supernodes;
@@ -75,9 +82,6 @@ bool bench_gradients(const Device& device, const Limits& limits, const std::file
                  entries = static_cast<double>(supernodes.value.size());
     for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
       if (precision != Precision::single && !device.has_double()) continue;
-      const char* word = precision == Precision::double_ ? "double"
-                         : precision == Precision::mixed ? "mixed"
-                                                         : "single";
       Gradients gradients(device, precision);
       gradients.set_matrix(view, pad.fixed);
       const double factor = microseconds([&] { gradients.set_factor(supernodes); });
@@ -117,13 +121,69 @@ bool bench_gradients(const Device& device, const Limits& limits, const std::file
       std::printf(
           "%7.0f %6.1f %-9s %7.1f %5.1f %8.1f %5.0f %8.0f %8.0f %2td %8.0f %2td %8.0f %6.0f %8.0f "
           "(%.0f)\n",
-          nodes, entries / 1e6, word, product, product_floor, apply, apply_floor, launches, solve,
-          report.iterations, cpu_time, cpu.iterations, matrix, turns, factor, twisted.factor_ms);
+          nodes, entries / 1e6, word(precision), product, product_floor, apply, apply_floor,
+          launches, solve, report.iterations, cpu_time, cpu.iterations, matrix, turns, factor,
+          twisted.factor_ms);
       std::fflush(stdout);
-      csv << nodes << ',' << entries << ',' << word << ',' << product << ',' << product_floor << ','
-          << apply << ',' << apply_floor << ',' << launches << ',' << solve << ','
-          << report.iterations << ',' << cpu_time << ',' << cpu.iterations << ',' << matrix << ','
-          << turns << ',' << factor << '\n';
+      csv << nodes << ',' << entries << ',' << word(precision) << ',' << product << ','
+          << product_floor << ',' << apply << ',' << apply_floor << ',' << launches << ',' << solve
+          << ',' << report.iterations << ',' << cpu_time << ',' << cpu.iterations << ',' << matrix
+          << ',' << turns << ',' << factor << '\n';
+    }
+  }
+  return static_cast<bool>(csv);
+}
+
+bool bench_gradients_accuracy(const Device& device, const std::filesystem::path& out,
+                              Index most_nodes) {
+  std::ofstream csv(out / "gradients_accuracy.csv");
+  csv << "nodes,precision,asked,iterations,residual,error of x\n";
+  std::printf(
+      "\nConjugate gradients; residual |b - A x| / |b| as it is, error |x - x*| / |x*|\n"
+      "  nodes precision   asked it  residual     error\n");
+  for (const std::array<int, 3>& cells : pads) {
+    if (is_larger(cells, most_nodes)) continue;
+    const Twisted twisted(cells);
+    const Pad& pad = twisted.pad;
+    SupernodalFactor supernodes;
+    if (!twisted.factor->supernodes(supernodes)) return true;  // bench_gradients has said so
+    // x*: a factor of this matrix in double precision, and its residual solved for once more.
+    const VecX b = pad.tool(0, 1);
+    const auto now = tissue::make_factor(
+        tissue::make_factor_plan(pad.A.pattern(), pad.fixed, {}, tissue::default_backend()));
+    now->factorise(pad.A);
+    MatX exact = b, rest = b;
+    VecX product;
+    const auto residual_of = [&](const VecX& x) {
+      pad.A.multiply(x, product);
+      VecX r = b - product;
+      for (Index i = 0; i < pad.nodes(); ++i)
+        if (pad.fixed[static_cast<std::size_t>(i)]) r.segment<3>(3 * i).setZero();
+      return r;
+    };
+    now->solve(exact);
+    rest = residual_of(exact);
+    now->solve(rest);
+    exact += rest;
+    for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
+      if (precision != Precision::single && !device.has_double()) continue;
+      Gradients gradients(device, precision);
+      gradients.set_matrix(
+          {pad.nodes(), pad.A.pattern()->row_start(), pad.A.pattern()->column(), pad.A.values()},
+          pad.fixed);
+      gradients.set_factor(supernodes);
+      gradients.set_turns(pad.rotations);
+      for (const Real asked : {tolerance, 1e-8}) {
+        VecX x = VecX::Zero(b.size());
+        const auto report = gradients.solve(b, x, asked, 200);
+        const Real residual = residual_of(x).norm() / b.norm(),
+                   error = (x - exact).norm() / exact.norm();
+        std::printf("%7td %-9s %7.0e %2td %9.1e %9.1e\n", pad.nodes(), word(precision), asked,
+                    report.iterations, residual, error);
+        std::fflush(stdout);
+        csv << pad.nodes() << ',' << word(precision) << ',' << asked << ',' << report.iterations
+            << ',' << residual << ',' << error << '\n';
+      }
     }
   }
   return static_cast<bool>(csv);

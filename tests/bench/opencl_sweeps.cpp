@@ -8,6 +8,7 @@
 #include "solve_problems.h"
 #include "sutura/laws/coulomb.h"
 #include "sweeps.h"
+#include "sweeps_alone.h"
 
 namespace sutura::opencl {
 namespace {
@@ -43,10 +44,6 @@ std::vector<std::uint32_t> orders_of(int blocks, int sweeps) {
     std::shuffle(out.begin() + first, out.end(), random);
   }
   return out;
-}
-
-const char* word(Precision p) {
-  return p == Precision::double_ ? "double" : p == Precision::mixed ? "mixed" : "single";
 }
 
 }  // namespace
@@ -104,6 +101,38 @@ bool bench_sweeps(const Device& device, const Limits& limits, const std::filesys
                       e.what());
         }
       }
+    }
+  }
+  return static_cast<bool>(csv);
+}
+
+bool bench_sweeps_accuracy(const Device& device, const std::filesystem::path& out) {
+  std::ofstream csv(out / "sweeps_accuracy.csv");
+  csv << "contacts,precision,error of lambda,law residual\n";
+  std::printf(
+      "\nGauss-Seidel, 400 sweeps; error: largest of lambda over the largest force\n"
+      "contacts precision     error  residual\n");
+  for (const int count : {50, 100, 300, 600, 1000}) {
+    const ConstraintProblem start = contacts(count);
+    // On the CPU, with the direct step: nothing of the device in it.
+    ConstraintProblem exact = start;
+    BlockGaussSeidel cpu({.tolerance = 1e-14});
+    const Real left = cpu.solve(exact).residual;
+    std::printf("%8d %-9s %9s %9.1e\n", count, "CPU", "", left);
+    for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
+      if (precision != Precision::single && !device.has_double()) continue;
+      Sweeps sweeps(device, precision);
+      SweepsAlone alone(sweeps, precision);
+      BlockGaussSeidel solver(
+          {.tolerance = 1e-300, .sweeps = 400, .acceleration = Acceleration::none});
+      solver.set_device(&alone);
+      ConstraintProblem p = start;
+      const Real residual = solver.solve(p).residual;
+      const Real error = (p.lambda - exact.lambda).lpNorm<Eigen::Infinity>() /
+                         exact.lambda.lpNorm<Eigen::Infinity>();
+      std::printf("%8d %-9s %9.1e %9.1e\n", count, word(precision), error, residual);
+      std::fflush(stdout);
+      csv << count << ',' << word(precision) << ',' << error << ',' << residual << '\n';
     }
   }
   return static_cast<bool>(csv);

@@ -12,7 +12,7 @@
 #include "solve_problems.h"
 #include "some_device.h"
 #include "sutura/laws/bilateral.h"
-#include "sutura/laws/coulomb.h"
+#include "sutura/laws/static_friction.h"
 #include "sutura/laws/unilateral.h"
 
 namespace sutura::opencl {
@@ -65,6 +65,13 @@ Coulomb::Params draw(Random& random, const Coulomb*) {
   return {.mu = one_in(random, 10) ? 0 : from(random, 0, 1.5),
           .compliance = one_in(random, 2) ? 0 : from(random, 0, 2)};
 }
+StaticFriction::Params draw(Random& random, const StaticFriction*) {
+  const Real mu = from(random, 0, 1.5);
+  return {.mu_static = mu,
+          .mu_kinetic = mu * from(random, 0.3, 1),
+          .compliance = one_in(random, 2) ? 0 : from(random, 0, 2),
+          .stick_slip = from(random, 0, 1)};
+}
 suturing::PunctureLaw::Params draw(Random& random, const suturing::PunctureLaw*) {
   suturing::PunctureLaw::Params p;
   p.normal = direction(random);
@@ -91,9 +98,9 @@ suturing::PathFrictionLaw::Params draw(Random& random, const suturing::PathFrict
 template <class L>
 class Twin : public OnDevice {};
 
-using Laws =
-    testing::Types<Bilateral<1>, Bilateral<2>, Bilateral<3>, Bilateral<6>, Unilateral, Coulomb,
-                   suturing::PunctureLaw, suturing::CuttingLaw, suturing::PathFrictionLaw>;
+using Laws = testing::Types<Bilateral<1>, Bilateral<2>, Bilateral<3>, Bilateral<6>, Unilateral,
+                            Coulomb, StaticFriction, suturing::PunctureLaw, suturing::CuttingLaw,
+                            suturing::PathFrictionLaw>;
 TYPED_TEST_SUITE(Twin, Laws);
 
 TYPED_TEST(Twin, AnswersAsTheLaw) {
@@ -116,7 +123,8 @@ TYPED_TEST(Twin, AnswersAsTheLaw) {
     Real numbers[LawTwin::most_parameters];
     read_parameters(*twin, &params.back(), numbers);
     p.insert(p.end(), numbers, numbers + twin->parameters());
-    modes.push_back(static_cast<cl_uchar>(random() % 2));
+    const Mode other = std::is_same_v<L, StaticFriction> ? StaticFriction::sliding : Mode(1);
+    modes.push_back(one_in(random, 2) ? other : Mode(0));
   }
   std::vector<cl_uchar> answered = modes;
   std::vector<double> lambda(d.size());

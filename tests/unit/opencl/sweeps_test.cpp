@@ -8,6 +8,7 @@
 #include "some_device.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
+#include "sweeps_alone.h"
 
 namespace sutura::opencl {
 namespace {
@@ -81,25 +82,11 @@ TEST_F(DeviceSweeps, AreThoseOfTheCpu) {
       cpu.solve(ours);
 
       Sweeps sweeps(*device_, Precision::double_, in_one_group);
-      ASSERT_EQ(sweeps.load(theirs), "");
-      class Direct : public SweepDevice {
-       public:
-        explicit Direct(Sweeps& sweeps) : sweeps_(sweeps) {}
-        bool load(const ConstraintProblem& p) override { return sweeps_.load(p).empty(); }
-        bool sweep(ConstraintProblem& p, std::span<const std::uint32_t> orders) override {
-          sweeps_.sweep(p, orders);
-          return true;
-        }
-        bool is_rough() const override { return false; }
-        const std::string& why_not() const override { return none_; }
-
-       private:
-        Sweeps& sweeps_;
-        std::string none_;
-      } direct(sweeps);
+      SweepsAlone alone(sweeps, Precision::double_);
       BlockGaussSeidel there = cpu;
-      there.set_device(&direct);
+      there.set_device(&alone);
       const SolveReport report = there.solve(theirs);
+      EXPECT_EQ(there.trouble(), "");
       EXPECT_EQ(report.sweeps, 8);
       EXPECT_LT(difference(theirs.lambda, ours.lambda), 1e-12);
       EXPECT_LT(difference(theirs.delta, ours.delta), 1e-12);
@@ -166,6 +153,20 @@ TEST_F(DeviceSweeps, TellHowFarSinglePrecisionGets) {
   // 24 bits of numbers of about 1 are 6e-8, and each is a sum of some hundred.
   EXPECT_GT(report.residual, 1e-9);
   EXPECT_LT(report.residual, 1e-5);
+}
+
+// Mixed precision has no such end: delta is made again from lambda and W as the CPU has them, so
+// what W is rounded to changes the way to the solution and not the solution.
+TEST_F(DeviceSweeps, EndAtTheSolutionInMixedPrecision) {
+  ConstraintProblem ours = mixed_problem(60), theirs = ours;
+  BlockGaussSeidel cpu({.tolerance = 1e-12, .acceleration = Acceleration::none}), there = cpu;
+  ASSERT_TRUE(cpu.solve(ours).converged);
+  const auto device = component(Precision::mixed);
+  there.set_device(device.get());
+  EXPECT_TRUE(there.solve(theirs).converged);
+  EXPECT_EQ(there.trouble(), "");
+  // Both are within the tolerance; W rounded to single would leave some 1e-8.
+  EXPECT_LT(difference(theirs.lambda, ours.lambda), 1e-11);
 }
 
 struct Unknown : Unilateral {
