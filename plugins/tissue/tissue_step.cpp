@@ -223,9 +223,9 @@ Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
   const Real rounding = 1e-9 * model_.young * model_.edge_length * model_.edge_length;
   at_work_ = std::sqrt(std::max({pushed, weight, inertia, reaction})) + rounding;
   worst.relative = std::sqrt(missing) / at_work_;
-  // A matrix that leaves more than a hundredth of what it was asked for has become too old.
+  // A matrix that leaves more than three thousandths of what it was asked for is too old.
   const Real left = h * std::sqrt(missing);
-  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.01 * asked_);
+  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.003 * asked_);
   return worst;
 }
 
