@@ -128,6 +128,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
       residual = natural_map(problem, compliance_, lambda_plus_);
       pause = 0;
       wait = 1;
+      last_gradient_ = 0;
       continue;
     }
     // A problem that will not converge to the tolerance must not hold its events for ever.
@@ -170,6 +171,13 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     }
   }
 
+  if (softened) {
+    // Reported is how far the problem as it was asked is from its laws.
+    redundant_.harden(problem);
+    compliance_.prepare(problem);
+    compliance_.update_delta(problem);
+    residual = natural_map(problem, compliance_, lambda_plus_);
+  }
   report.residual = residual.value;
   report.violation = residual.violation;
   report.converged = residual.value <= options_.tolerance;

@@ -9,6 +9,8 @@ bool RedundantRows::soften(ConstraintProblem& problem) {
   // Measured on overhand knots (docs/theory/solver.md): from 1e-4 on every problem is solved in a
   // few sweeps; above 1e-3 passes begin to feel it.
   constexpr Real share = 2e-4;
+  own_W_ = problem.W.diagonal();
+  d_free_ = problem.d_free;
   before_.setZero(problem.rows());
   give_.setZero(problem.rows());
   bool any = false;
@@ -25,6 +27,11 @@ bool RedundantRows::soften(ConstraintProblem& problem) {
   }
   if (any) take_back(problem);
   return any;
+}
+
+void RedundantRows::harden(ConstraintProblem& problem) const {
+  problem.W.diagonal() = own_W_;
+  problem.d_free = d_free_;
 }
 
 Real RedundantRows::take_back(ConstraintProblem& problem) {

@@ -24,10 +24,13 @@ class RedundantRows {
   /// After a solve: the present lambda is the one before now. Returns the largest length by which a
   /// row had given way (m).
   Real take_back(ConstraintProblem& problem);
+  /// W and d_free are again what they were before `soften`.
+  void harden(ConstraintProblem& problem) const;
 
  private:
-  GrowingVec give_;    ///< R, per row (m/N); 0 for the others
-  GrowingVec before_;  ///< lambda before
+  GrowingVec give_;            ///< R, per row (m/N); 0 for the others
+  GrowingVec before_;          ///< lambda before
+  GrowingVec own_W_, d_free_;  ///< the diagonal of W, and d_free, without R
 };
 
 }  // namespace sutura

@@ -62,6 +62,9 @@ TEST(RedundantRows, OtherBlocksStayAsTheyAre) {
                 before.W.row(i).dot(p.lambda) + before.d_free[i],
                 1e-15 * p.W.row(i).cwiseAbs().sum());
   }
+  rows.harden(p);
+  EXPECT_EQ((MatX(p.W) - MatX(before.W)).norm(), 0);
+  EXPECT_EQ((VecX(p.d_free) - VecX(before.d_free)).norm(), 0);
   for (ConstraintBlock& b : p.blocks) b.redundant = false;
   EXPECT_FALSE(rows.soften(p));
 }
@@ -83,6 +86,19 @@ TEST(RedundantRows, SolvedInFewSweepsAndRightInTheEnd) {
       // A hundredth of the tolerance that a step has for gaps.
       EXPECT_LE(missed(original, p.lambda), 1e-8) << seed << " " << mu;
     }
+}
+
+// The solver softens by itself, and what it reports and leaves is the problem that it was given.
+TEST(RedundantRows, TheSolverLeavesTheProblemAsItWas) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const ConstraintProblem original = many_touches(40, 12, 0.1, seed);
+    ConstraintProblem p = original;
+    const SolveReport report = BlockGaussSeidel({.sweeps = 300}).solve(p);
+    EXPECT_EQ((MatX(p.W) - MatX(original.W)).norm(), 0);
+    EXPECT_EQ((VecX(p.d_free) - VecX(original.d_free)).norm(), 0);
+    EXPECT_NEAR(report.violation, missed(original, p.lambda), 1e-15);
+    EXPECT_LE(report.violation, 1e-8);
+  }
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ TEST(Overhand, LooseItPullsAsTheTheorySays) {
   RecordProperty("traction_400_diameters", std::to_string(thick));
   RecordProperty("traction_1600_diameters", std::to_string(thin));
   EXPECT_GT(thick, thin);
-  // Four times as long halves sqrt(d / R). Of second order 0.01 is left, and the straight ends,
-  // which are not parallel, are some 0.02 of the length.
+  // The thickness adds a sqrt(d / R) + c d / R. Four times as long, the first part is half and
+  // drops out; of the second -0.008 c is left, and c may be a few units.
   EXPECT_NEAR(2 * thin - thick, 1, 0.03);
 }
 
@@ -76,9 +76,11 @@ TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
     // A twentieth of the thickness may stay between two touches (docs/theory/contact.md).
     EXPECT_GT(run.number("/contact", "distance"), -diameter / 20);
   }
-  // With friction the force remembers how the knot was drawn, over beams of one diameter: 4 % seen.
-  EXPECT_NEAR(forces[0], forces[1], 0.08 * forces[1]);
-  EXPECT_NEAR(forces[2], forces[1], 0.08 * forces[1]);
+  // Between two touches strands may be nearer by a twentieth of the thickness, and the force of a
+  // knot so small (R = 4 d) grows by about half of what the thickness does; each run adds a
+  // hundredth.
+  EXPECT_NEAR(forces[0], forces[1], 0.05 * forces[1]);
+  EXPECT_NEAR(forces[2], forces[1], 0.05 * forces[1]);
 }
 
 }  // namespace
