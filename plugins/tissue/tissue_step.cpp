@@ -162,8 +162,8 @@ void TissueStep::linearise(const StepContext& context, const VecX& force) {
   // from step to step as long as it answers well.
   constexpr Real small = 0.02;           // of the mean edge
   const bool first = !solver_is_ready_;  // in this step
-  if (context.dt != assembled_for_ || (linearisations_ == 0 && outdated_) ||
-      !(moved_since_linearised() < small * model_.edge_length)) {
+  if (context.dt != assembled_for_ || (first && outdated_) ||
+      moved_since_linearised() >= small * model_.edge_length) {
     assemble(context.dt, context.step);
     balance(context);
   } else if (first) {
