@@ -174,58 +174,68 @@ void add_beam(constant const Problem* p, global State* s, global Work* w, int n)
   put(lacks + 6, fb);
   put(lacks + 9, tb);
 
-  // Matrix.
+  // K over (v_b - v_a, spin_a, spin_b): columns of how the directors move against the chord.
   const double pos = fmax(tension, 0.), h2 = h * h;
-  const double c1 = h2 * (p->bend_1 + 4 * pos * L / 30), c2 = h2 * (p->bend_2 - pos * L / 30);
-  const double kv = 2 * (c1 + c2) / (l * l) + h2 * pos / l, kc = (c1 + c2) / l;
-  const double root = h * sqrt(p->axial * L), tw = h2 * p->torsion;
-  const double3 da = (4 * theta_a - theta_b) / 30, db = (4 * theta_b - theta_a) / 30;
-  const double3 gv = root * (e / L + cross(e, da + db) / l), sga = root * da, sgb = root * db;
+  const double c1 = p->bend_1 + 4 * pos * L / 30, c2 = p->bend_2 - pos * L / 30;
+  const double3 tilt_a = cross(ca, e), tilt_b = cross(cb, e), apart = cross(ca, cb);
+  const double lean_a = (-4 * ga + gb * (dga * product + ga * (1 - xb))) / 30;
+  const double lean_b = (-4 * gb + ga * (dgb * product + gb * (1 - xa))) / 30;
+  const double root = sqrt(p->axial * L), roll = sqrt(p->torsion);
+  const double3 stretch_v =
+      root * (e / L + (lean_a * (ca - dot(ca, e) * e) + lean_b * (cb - dot(cb, e) * e)) / l);
+  const double3 stretch_a = root * (lean_a * tilt_a - ga * gb / 30 * apart);
+  const double3 stretch_b = root * (lean_b * tilt_b + ga * gb / 30 * apart);
+  double3 move_a[9], move_b[9];
+  double stretch[9], turns[9];
+  for (int i = 0; i < 9; ++i) {
+    const int k = i % 3;
+    const double3 axis = (double3)(k == 0, k == 1, k == 2);
+    const double3 half_roll = dot(axis, e) / 2 * e;
+    const double3 turn = cross(e, axis) / l;
+    const double3 against_a = i < 3 ? turn : i < 6 ? half_roll - axis : half_roll;
+    const double3 against_b = i < 3 ? turn : i < 6 ? half_roll : half_roll - axis;
+    move_a[i] = cross(ca, against_a);
+    move_b[i] = cross(cb, against_b);
+    stretch[i] = dot(axis, i < 3 ? stretch_v : i < 6 ? stretch_a : stretch_b);
+    turns[i] = i < 3 ? 0 : (i < 6 ? -roll : roll) * dot(axis, twist_axis);
+  }
   double A[36], B[36], U[36];
   for (int i = 0; i < 36; ++i) A[i] = B[i] = U[i] = 0;
-  // Translation of the ends against each other.
-  add_identity(A, 0, 0, kv + p->same);
-  add_outer(A, 0, 0, -kv, e, e);
-  add_outer(A, 0, 0, 1, gv, gv);
-  for (int i = 0; i < 18; ++i) {
-    B[i] = A[i];
-    U[i] = -A[i];
-  }
-  add_identity(U, 0, 0, p->same + p->other);
-  // Translation and spin; the second of each pair is the transpose of the first.
-  add_outer(A, 0, 3, -1, gv, sga);
-  add_cross(A, 0, 3, -kc, e);
-  add_cross(A, 0, 3, -p->couple_same, ca);
-  add_outer(B, 0, 3, 1, gv, sgb);
-  add_cross(B, 0, 3, kc, e);
-  add_cross(B, 0, 3, p->couple_same, cb);
-  add_outer(U, 0, 3, -1, gv, sgb);
-  add_cross(U, 0, 3, -kc, e);
-  add_cross(U, 0, 3, -p->couple_other, cb);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      A[(3 + j) * 6 + i] = A[i * 6 + 3 + j];
-      B[(3 + j) * 6 + i] = B[i * 6 + 3 + j];
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 9; ++j) {
+      const double k = h2 * (dot(move_a[i], c1 * move_a[j] + c2 * move_b[j]) +
+                             dot(move_b[i], c2 * move_a[j] + c1 * move_b[j]) +
+                             stretch[i] * stretch[j] + turns[i] * turns[j]);
+      const double sign = (i < 3) == (j < 3) ? 1 : -1;
+      const bool not_b = i < 6 && j < 6, not_a = (i < 3 || i > 5) && (j < 3 || j > 5);
+      if (not_b) A[6 * i + j] += sign * k;
+      if (not_a) B[6 * (i < 3 ? i : i - 3) + (j < 3 ? j : j - 3)] += k;
+      if (i < 6 && (j < 3 || j > 5))
+        U[6 * i + (j < 3 ? j : j - 3)] += (i < 3 ? -1 : 1) * k;
     }
-  add_outer(U, 3, 0, 1, sga, gv);
-  add_cross(U, 3, 0, -kc, e);
+  add_identity(A, 0, 0, h2 * pos / l + p->same);
+  add_outer(A, 0, 0, -h2 * pos / l, e, e);
+  add_identity(B, 0, 0, h2 * pos / l + p->same);
+  add_outer(B, 0, 0, -h2 * pos / l, e, e);
+  add_identity(U, 0, 0, -h2 * pos / l + p->other);
+  add_outer(U, 0, 0, h2 * pos / l, e, e);
+
+  // Mass; the second of each pair is the transpose of the first.
+  add_cross(A, 0, 3, -p->couple_same, ca);
+  add_cross(A, 3, 0, p->couple_same, ca);
+  add_cross(B, 0, 3, p->couple_same, cb);
+  add_cross(B, 3, 0, -p->couple_same, cb);
+  add_cross(U, 0, 3, -p->couple_other, cb);
   add_cross(U, 3, 0, -p->couple_other, ca);
-  // Spins.
-  add_identity(A, 3, 3, c1 + p->spin_same + p->roll_same);
-  add_outer(A, 3, 3, p->roll_same - c1, e, e);
+  add_identity(A, 3, 3, p->spin_same + p->roll_same);
+  add_outer(A, 3, 3, p->roll_same, e, e);
   add_outer(A, 3, 3, -p->spin_same, ca, ca);
-  add_outer(A, 3, 3, tw, twist_axis, twist_axis);
-  add_outer(A, 3, 3, 1, sga, sga);
-  add_identity(B, 3, 3, c1 + p->spin_same + p->roll_same);
-  add_outer(B, 3, 3, p->roll_same - c1, e, e);
+  add_identity(B, 3, 3, p->spin_same + p->roll_same);
+  add_outer(B, 3, 3, p->roll_same, e, e);
   add_outer(B, 3, 3, -p->spin_same, cb, cb);
-  add_outer(B, 3, 3, tw, twist_axis, twist_axis);
-  add_outer(B, 3, 3, 1, sgb, sgb);
-  add_identity(U, 3, 3, c2 + p->spin_other * m + p->roll_other);
-  add_outer(U, 3, 3, p->roll_other - c2, e, e);
+  add_identity(U, 3, 3, p->spin_other * m + p->roll_other);
+  add_outer(U, 3, 3, p->roll_other, e, e);
   add_outer(U, 3, 3, -p->spin_other, cb, ca);
-  add_outer(U, 3, 3, -tw, twist_axis, twist_axis);
-  add_outer(U, 3, 3, 1, sga, sgb);
   for (int i = 0; i < 36; ++i) {
     w->own_a[n][i] = A[i];
     w->own_b[n][i] = B[i];

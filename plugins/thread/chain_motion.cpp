@@ -60,13 +60,13 @@ void move_chain(const std::vector<Pose>& from, const std::vector<Real>& twist_fr
 
 Real largest_turn(const std::vector<Pose>& poses, const Dofs& motion) {
   Real largest = 0;
-  for (Index e = 0; e + 1 < static_cast<Index>(poses.size()); ++e) {
-    const Vec3 span = poses[e + 1].position - poses[e].position;
-    const Real l = span.norm();
-    const Vec3 axis = span / l;
-    const Vec3 chord = axis.cross(motion.segment<3>(6 * e + 6) - motion.segment<3>(6 * e)) / l;
-    largest = std::max({largest, chord.norm(), axis.cross(motion.segment<3>(6 * e + 3)).norm(),
-                        axis.cross(motion.segment<3>(6 * e + 9)).norm()});
+  for (Index i = 0; i < static_cast<Index>(poses.size()); ++i) {
+    const auto spin = motion.segment<3>(6 * i + 3);
+    largest = std::max(largest, tangent(poses[i]).cross(spin).norm());
+    if (i == 0) continue;
+    const Vec3 chord = poses[i].position - poses[i - 1].position;
+    const Vec3 change = motion.segment<3>(6 * i) - motion.segment<3>(6 * i - 6);
+    largest = std::max(largest, chord.cross(change).norm() / chord.squaredNorm());
   }
   return largest;
 }

@@ -174,32 +174,6 @@ ElementGradient gradient(const ElementRest& r, const ElementState& s) {
   return g;
 }
 
-void step_stiffness(const ElementRest& r, const ElementState& s, ElementMatrix& k) {
-  const Real n = std::max(s.tension, 0.);
-  const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
-  const Real kv = 2 * (c1 + c2) / (s.l * s.l) + n / s.l, kc = (c1 + c2) / s.l;
-
-  // Strain gradient: along e, and the bow's share for the spins relative to the chord.
-  Vec3 da = (4 * s.theta_a - s.theta_b) / 30, db = (4 * s.theta_b - s.theta_a) / 30;
-  if (r.curved) {  // e x n is z less its part along c, the first-order gradient of theta.z
-    da += s.na.cross(s.e) / 30;
-    db += s.nb.cross(s.e) / 30;
-  }
-  const Real root = std::sqrt(r.axial * r.length);
-  const Vec3 gv = root * (s.e / r.length + s.e.cross(da + db) / s.l);
-  const Vec3 ga = root * da, gb = root * db;
-  const Mat3 ee = s.e * s.e.transpose();
-  const Mat3 p = Mat3::Identity() - ee;
-  const Mat3 tt = r.torsion * s.twist_axis * s.twist_axis.transpose();
-  const Mat3 cross = kc * cross_matrix(s.e);
-  k.vv = kv * p + gv * gv.transpose();
-  k.va = cross + gv * ga.transpose();
-  k.vb = cross + gv * gb.transpose();
-  k.aa = c1 * p + tt + ga * ga.transpose();
-  k.bb = c1 * p + tt + gb * gb.transpose();
-  k.ab = c2 * p - tt + ga * gb.transpose();
-}
-
 namespace {
 
 /// Gradient of e.c, c carried by the section whose spin starts at `block`.
@@ -233,6 +207,33 @@ Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
   }
   g.head<3>() += s.e / r.length;
   return g;
+}
+
+void step_stiffness(const ElementRest& r, const ElementState& s, ElementMatrix& k) {
+  const Real n = std::max(s.tension, 0.);
+  const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
+
+  // How the directors move against the chord, which rolls as its ends do on the average:
+  // d c_a = (spin_a - turn of the chord) x c_a, and so for b.
+  const Mat3 half_roll = s.e * s.e.transpose() / 2;
+  const Mat3 own = Mat3::Identity() - half_roll, chord = cross_matrix(s.e) / s.l;
+  const Mat3 xa = cross_matrix(s.ca), xb = cross_matrix(s.cb);
+  const Mat3 av = xa * chord, aa = -xa * own, ab = xa * half_roll;
+  const Mat3 bv = xb * chord, ba = xb * half_roll, bb = -xb * own;
+  const auto bending = [c1, c2](const Mat3& ai, const Mat3& bi, const Mat3& aj, const Mat3& bj) {
+    return Mat3(ai.transpose() * (c1 * aj + c2 * bj) + bi.transpose() * (c2 * aj + c1 * bj));
+  };
+  const Vec9 stretch = std::sqrt(r.axial * r.length) * strain_gradient(r, s);
+  const Vec3 gv = stretch.head<3>(), ga = stretch.segment<3>(3), gb = stretch.tail<3>();
+  const Mat3 string = n / s.l * (own - half_roll);
+  const Mat3 twist = r.torsion * s.twist_axis * s.twist_axis.transpose();
+
+  k.vv = bending(av, bv, av, bv) + string + gv * gv.transpose();
+  k.va = bending(av, bv, aa, ba) + gv * ga.transpose();
+  k.vb = bending(av, bv, ab, bb) + gv * gb.transpose();
+  k.aa = bending(aa, ba, aa, ba) + twist + ga * ga.transpose();
+  k.bb = bending(ab, bb, ab, bb) + twist + gb * gb.transpose();
+  k.ab = bending(aa, ba, ab, bb) - twist + ga * gb.transpose();
 }
 
 void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {

@@ -1,6 +1,5 @@
 // What a step of a rod does where its guess is balanced, but at a saddle of the potential.
 #include <cmath>
-#include <limits>
 
 #include "rod_potential.h"
 #include "rod_step.h"
@@ -48,7 +47,6 @@ bool RodStep::leave_saddle(Rod& rod) {
     break;
   }
   guess_.take_tension();
-  last_turn_ = std::numeric_limits<Real>::infinity();
   return true;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include "rod_potential.h"
 
@@ -48,8 +47,6 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity) {
   start_.damping = damping;
   if (!in_step_) start_.take(rod);
   in_step_ = true;
-  last_turn_ = std::numeric_limits<Real>::infinity();
-  stuck_ = false;
   guess_.motion.setZero();
   guess_.move(rod, start_);
   guess_.take_tension();
@@ -67,7 +64,7 @@ bool RodStep::linearise(const Rod& rod, const Dofs& force) {
   guess_.force.at = force;
   assemble(rod, start_, guess_, Tangent::exact, matrix_);
   if (!matrix_.factor()) {  // something buckles: go downhill
-    assemble(rod, start_, guess_, stuck_ ? Tangent::taut : Tangent::convex, matrix_);
+    assemble(rod, start_, guess_, Tangent::convex, matrix_);
     if (!factor(matrix_)) return false;
   }
   change_ = guess_.missing + start_.dt * force;
@@ -92,19 +89,14 @@ void RodStep::take_change(Rod& rod) {
   Real part = std::min(1., turn_limit / turn);
   way_.aim(rod, guess_, answer_);
   way_.predict_tension(rod, guess_, part);
-  // Only what lowers the potential is taken; below a milliradian its changes drown in rounding. But
-  // between two places that go straight on, a turn fakes stretch (rod_way.h), which the next pass
-  // takes back: there passes may lift the potential as long as they contract.
-  const bool contracts = way_.straight_nodes() > 1 && turn < 0.5 * last_turn_;
-  const bool free = contracts || turn < 1e-3;
-  const Real before = free ? 0 : potential(rod, start_, guess_);
+  // Only what lowers the potential is taken; below a milliradian its changes drown in rounding.
+  const bool small = turn < 1e-3;
+  const Real before = small ? 0 : potential(rod, start_, guess_);
   way_.go(rod, start_, guess_, part);
-  for (int cut = 0; cut < 12 && !free && !(potential(rod, start_, guess_) <= before); ++cut) {
+  for (int cut = 0; cut < 12 && !small && !(potential(rod, start_, guess_) <= before); ++cut) {
     part /= 2;
     way_.go(rod, start_, guess_, part);
   }
-  stuck_ = !free && part < 0.1;
-  last_turn_ = turn;
 }
 
 void RodStep::move_to(Rod& rod, const VecX& motion) {

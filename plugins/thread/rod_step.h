@@ -72,8 +72,6 @@ class RodStep {
   DofVector change_, answer_;
   bool in_step_ = false;
   bool pushed_ = false;  ///< by constraints, in the last step
-  Real last_turn_ = 0;   ///< that the pass before asked of a beam (rad)
-  bool stuck_ = false;   ///< less than a tenth of the last pass could be taken
 };
 
 }  // namespace sutura::thread

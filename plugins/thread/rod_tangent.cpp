@@ -1,7 +1,5 @@
 #include "rod_tangent.h"
 
-#include <algorithm>
-
 namespace sutura::thread {
 
 namespace {
@@ -18,7 +16,7 @@ void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Ind
                Tangent tangent, ElementMatrix& k) {
   const Real beta = start.damping.stiffness;
   ElementState s = guess.beams[e];
-  s.tension = tangent == Tangent::taut ? std::max(guess.tension[e], s.tension) : guess.tension[e];
+  s.tension = guess.tension[e];
   if (tangent == Tangent::exact)
     hessian(rod.element(e), s, k);
   else

@@ -10,11 +10,9 @@ namespace sutura::thread {
 /// What stands for K.
 ///   exact: the Hessian of the energy, which may be indefinite.
 ///   convex: its positive semidefinite part (`step_stiffness` in element.h).
-///   taut: likewise, and a beam whose tension is larger than predicted is stiffened by that.
-/// The first two take the predicted tension of the guess: stretch that a turn faked is not to
-/// stiffen a beam (docs/theory/thread.md). Viscosity is by the convex part of its own stiffness, in
-/// all three.
-enum class Tangent { exact, convex, taut };
+/// Both take the predicted tension of the guess: stretch that a turn faked is not to stiffen a beam
+/// (docs/theory/thread.md). Viscosity is by the convex part of its own stiffness.
+enum class Tangent { exact, convex };
 
 void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,
               BlockTridiagonal& matrix);

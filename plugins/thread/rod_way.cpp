@@ -6,23 +6,22 @@ void RodWay::resize(Index nodes) {
   const auto n = static_cast<std::size_t>(nodes);
   for (auto* v : {&from_, &direction_}) v->clear(6 * nodes);
   for (auto* reals : {&strain_, &strain_change_}) reals->assign(n - 1, 0);
+  give_.assign(n, 0);
   for (auto* vectors : {&chord_, &drift_}) vectors->assign(n, Vec3::Zero());
 }
 
 void RodWay::reserve(Index nodes) {
   const auto n = static_cast<std::size_t>(nodes);
   for (auto* v : {&from_, &direction_}) v->reserve(6 * nodes);
-  for (auto* reals : {&strain_, &strain_change_}) reals->reserve(n);
+  for (auto* reals : {&strain_, &strain_change_, &give_}) reals->reserve(n);
   for (auto* vectors : {&chord_, &drift_}) vectors->reserve(n);
 }
 
 void RodWay::aim(const Rod& rod, const RodGuess& guess, const Dofs& answer) {
   from_ = guess.motion;
   direction_ = answer;
-  straight_nodes_ = 0;
   const std::vector<Pose>& begin = rod.poses(Configuration::start);
   for (Index i = 0; i < rod.nodes(); ++i) {
-    straight_nodes_ += guess.goes_straight(rod, i);
     direction_.segment<3>(6 * i + 3) =
         as_change_of_turn(guess.motion.segment<3>(6 * i + 3), tangent(begin[i]),
                           tangent(rod.poses()[i]), answer.segment<3>(6 * i + 3));
@@ -30,6 +29,7 @@ void RodWay::aim(const Rod& rod, const RodGuess& guess, const Dofs& answer) {
   for (Index e = 0; e < rod.beams(); ++e) {
     const ElementState& s = guess.beams[e];
     chord_[e] = s.l * s.e;
+    give_[e + 1] = give_[e] + rod.element(e).length / rod.element(e).axial;
     strain_[e] = s.strain;
     strain_change_[e] = strain_gradient(rod.element(e), s).dot(beam_motion(answer, e));
   }
@@ -44,7 +44,6 @@ void RodWay::predict_tension(const Rod& rod, RodGuess& guess, Real part) const {
 
 void RodWay::go(Rod& rod, const RodStart& start, RodGuess& guess, Real part) {
   const std::vector<Pose>& begin = rod.poses(Configuration::start);
-  const std::vector<Real>& abscissa = rod.abscissa();
   DofVector& motion = guess.motion;
   motion = from_ + part * direction_;
   Vec3 drift = Vec3::Zero();      // of the beams joined one to another
@@ -71,9 +70,9 @@ void RodWay::go(Rod& rod, const RodStart& start, RodGuess& guess, Real part) {
     if (!guess.goes_straight(rod, i)) continue;
     const Vec3 misfit = anchor < 0 ? Vec3::Zero() : Vec3(drift - at_anchor);
     const Vec3 first = anchor < 0 ? drift : at_anchor;
-    const Real length = anchor < 0 ? 1 : abscissa[i] - abscissa[anchor];
+    const Real between = anchor < 0 ? 1 : give_[i] - give_[anchor];
     for (Index k = anchor + 1; k <= i; ++k) {
-      const Real way = anchor < 0 ? 0 : (abscissa[k] - abscissa[anchor]) / length;
+      const Real way = anchor < 0 ? 0 : (give_[k] - give_[anchor]) / between;
       drift_[k] -= first + way * misfit;
     }
     at_anchor = drift;

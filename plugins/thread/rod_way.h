@@ -3,7 +3,7 @@
 // Straight on, a beam that turns or bends would be stretched in second order, and that times EA
 // hides everything else. So chords turn, and get the length at which the beam has the strain that
 // the linear answer says. Where the rod is held or pushed it goes straight on; what does not fit
-// between two such places is shared out.
+// between two such places is shared out by the stretch that one force would give the beams there.
 #pragma once
 
 #include <vector>
@@ -25,15 +25,13 @@ class RodWay {
   /// Tension of the guess after `part` of the way: the linear prediction, which is free of the
   /// stretch that a finite turn fakes.
   void predict_tension(const Rod& rod, RodGuess& guess, Real part) const;
-  /// Nodes that go straight on.
-  Index straight_nodes() const { return straight_nodes_; }
 
  private:
   DofVector from_, direction_;  ///< motion of the guess, and its change
   std::vector<Vec3> chord_;     ///< per beam, m
   std::vector<Real> strain_, strain_change_;
+  std::vector<Real> give_;   ///< per node: how far a newton stretches the rod up to it, m/N
   std::vector<Vec3> drift_;  ///< per node: off the straight way, m
-  Index straight_nodes_ = 0;
 };
 
 }  // namespace sutura::thread

@@ -147,6 +147,50 @@ TEST_P(Element, StepStiffnessIsPositive) {
   EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-12 * eigen.eigenvalues().maxCoeff());
 }
 
+TEST_P(Element, StepStiffnessHasAllOfTheStretch) {
+  // Without tension the two differ in the moments of bending and twist only: their size is that of
+  // EI/L and GJ/L, times a few radians. EA L is a thousand times more: a share of it that is left
+  // out of one motion, as of a roll about the chord, shows.
+  Random random;
+  const Case c = GetParam();
+  const BentBeam beam(random, c.curved, c.angle, c.twist, c.stretch);
+  ElementState s;
+  evaluate(beam.rest, beam.a, beam.b, beam.twist, s);
+  s.tension = 0;
+  ElementMatrix k;
+  step_stiffness(beam.rest, s, k);
+  Mat9 h;
+  hessian(beam.rest, s, h);
+  const Real L = beam.rest.length;
+  Eigen::Matrix<Real, 12, 1> scale;
+  scale << L, L, L, 1, 1, 1, L, L, L, 1, 1, 1;
+  const Mat12 error = scale.asDiagonal() * (expand(k) - expand(h)) * scale.asDiagonal();
+  const Real twist = 1 + std::abs(c.twist), bend = 1 + c.angle;
+  EXPECT_LT(error.norm(), 10 * bend * (beam.rest.bend_1 + twist * beam.rest.torsion));
+}
+
+TEST(TautElement, ResistsARollThatTurnsItsTiltsApart) {
+  // Both ends tilted by theta to the same side of a chord under tension N. The bow's energy has the
+  // term -N L/30 theta^2 cos(roll) for a roll of one end about the chord: N L/30 theta^2 is the
+  // exact stiffness. The convex one takes the roll for two tilts aside by theta/2 each, of opposite
+  // sign: (c1 - c2) theta^2/2 = 2.5 times that. What else resists is a hundredth of it here.
+  const ElementRest rest = BentBeam::make_rest(false);
+  const Real theta = 0.1;
+  Pose a, b;
+  b.position = Vec3(rest.length, 0, 0);
+  a.rotation = b.rotation = Quat(Eigen::AngleAxis<Real>(theta, Vec3::UnitZ()));
+  ElementState s;
+  evaluate(rest, a, b, 0, s);
+  s.tension = 100 * (rest.bend_1 + rest.torsion) / rest.length / (theta * theta) * 30;
+  ElementMatrix k;
+  step_stiffness(rest, s, k);
+  Mat9 h;
+  hessian(rest, s, h);
+  const Real exact = s.tension * rest.length / 30 * theta * theta;
+  EXPECT_NEAR(h(3, 3), exact, 0.05 * exact);
+  EXPECT_NEAR(k.aa(0, 0), 2.5 * exact, 0.05 * 2.5 * exact);
+}
+
 INSTANTIATE_TEST_SUITE_P(States, Element,
                          testing::Values(Case{false, 0, 0, 0.01}, Case{false, 0.1, 0.3, 1e-3},
                                          Case{false, 0.6, 2.5, 1e-3}, Case{false, 0.4, 9.0, -1e-3},
