@@ -144,6 +144,9 @@ class Body {
   /// Once the guess is balanced: where it is no minimum of the body's potential (a straight thread
   /// pushed together), moves it on to where that is lower and returns true.
   virtual bool leave_saddle() { return false; }
+  /// About how far the guess is from where the motion would be if the step were infinitely short
+  /// (m): h/2 times the change of velocity, the largest over the nodes that nothing holds.
+  virtual Real time_error(const StepContext& /*context*/) const { return 0; }
   /// Linearisations that a step takes at least, whatever the imbalance.
   virtual Index least_passes() const { return 1; }
   /// The guess is the end of the step. `force`: of the constraints on it.

@@ -45,6 +45,7 @@ struct Work {
 struct BodyReport {
   std::string body;     ///< path
   Imbalance imbalance;  ///< at the end of the step; the worst of its parts, if it was divided
+  Real time_error = 0;  ///< of the step, the sum over its parts (m; Body::time_error)
   Work work;
 };
 
@@ -69,6 +70,7 @@ struct StepReport {
   std::array<double, stage_names.size()> seconds{};  ///< wall time per stage
   double total_seconds() const;
   Imbalance worst_imbalance() const;  ///< relative, over the bodies
+  Real worst_time_error() const;      ///< m, over the bodies
 };
 
 /// Moves something by the clock, or as a host has told it: tracks, graspers. Stage inputs. One that
@@ -177,6 +179,7 @@ class Simulation {
   void build(const StepContext& context, Timer& timer);
   void solve();
   bool measure(const StepContext& context);
+  bool is_short_enough(const StepContext& context);
   bool leave_saddles();
   Index least_passes() const;
   void forget_passes();

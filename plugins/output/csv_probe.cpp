@@ -81,7 +81,8 @@ std::string CsvProbe::start(const Simulation&) {
     const HeaderOf header_of{c.name, unit.empty() || unit == "1" ? "" : " [" + unit + "]"};
     header += std::visit(header_of, c.output.read());
   }
-  if (report_) header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,solved";
+  if (report_)
+    header += ",rows,sweeps,residual,violation [m],passes,parts,imbalance,time_error [m],solved";
   if (std::string error = out_.open(path_of_file_); !error.empty()) return error;
   return append(header + "\n");
 }
@@ -104,7 +105,8 @@ std::string CsvProbe::record(const Simulation&, const StepReport& report) {
     row_ += "," + std::to_string(report.rows) + "," + std::to_string(report.solve.sweeps) + "," +
             format_real(report.solve.residual) + "," + format_real(report.violation) + "," +
             std::to_string(report.passes) + "," + std::to_string(report.parts) + "," +
-            format_real(report.worst_imbalance().relative) + "," + (report.solved ? "1" : "0");
+            format_real(report.worst_imbalance().relative) + "," +
+            format_real(report.worst_time_error()) + "," + (report.solved ? "1" : "0");
   }
   row_ += '\n';
   return append(row_);

@@ -121,6 +121,14 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
   return worst;
 }
 
+Real RodStep::time_error(const Rod& rod) const {
+  Real most = 0;
+  for (Index i = 0; i < rod.nodes(); ++i)
+    if (!rod.is_held(i))
+      most = std::max(most, (rod.velocity() - start_.velocity).segment<3>(6 * i).squaredNorm());
+  return start_.dt / 2 * std::sqrt(most);
+}
+
 void RodStep::end(Rod& rod, const Dofs& force) {
   pushed_ = force.size() > 0 && !force.isZero(0);
   if (pushed_)

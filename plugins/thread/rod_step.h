@@ -39,6 +39,8 @@ class RodStep {
   void correct(Rod& rod, const Dofs& force_change);
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Rod& rod, const Dofs& force) const;
+  /// h/2 times the change of velocity, the largest over the nodes that nothing holds (m).
+  Real time_error(const Rod& rod) const;
   /// A balanced guess that is no minimum of the potential moves on to where that is lower. False if
   /// it is a minimum, or if constraints push the rod: they may hold it there.
   bool leave_saddle(Rod& rod);

@@ -56,6 +56,7 @@ class SutureThread : public Component, public SegmentedCurve {
   void motion(VecX& out) const override { out = step_.guess().motion; }
   void move_to(const StepContext&, const VecX& motion) override { step_.move_to(rod_, motion); }
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
+  Real time_error(const StepContext&) const override { return step_.time_error(rod_); }
   Index least_passes() const override { return newton_iterations; }
   bool leave_saddle() override;
   void end_step(const StepContext& context, const VecX& force) override;

@@ -81,6 +81,7 @@ class Tissue : public Component, public MeshedSolid {
   Imbalance imbalance(const StepContext& context, const VecX& force) override {
     return step_->imbalance(context, force);
   }
+  Real time_error(const StepContext& context) const override { return step_->time_error(context); }
   Index least_passes() const override { return iterations; }
   void end_step(const StepContext& context, const VecX& force) override {
     step_->end(context, force);

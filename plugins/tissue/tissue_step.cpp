@@ -229,6 +229,14 @@ Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
   return worst;
 }
 
+Real TissueStep::time_error(const StepContext& context) const {
+  Real most = 0;
+  for (Index i = 0; i < static_cast<Index>(model_.mass.size()); ++i)
+    if (!model_.held.is_fixed(i))
+      most = std::max(most, (v_ - start_v_).segment<3>(3 * i).squaredNorm());
+  return context.dt / 2 * std::sqrt(most);
+}
+
 void TissueStep::end(const StepContext& context, const VecX& force) {
   reaction_.setZero();
   for (Index i = 0; i < model_.dofs() / 3; ++i)

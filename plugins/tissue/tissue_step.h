@@ -33,6 +33,7 @@ class TissueStep {
   void correct(const StepContext& context, const VecX& force_change);
   void move_to(const StepContext& context, const VecX& motion);
   Imbalance imbalance(const StepContext& context, const VecX& force);
+  Real time_error(const StepContext& context) const;
   void end(const StepContext& context, const VecX& force);
 
   const VecX& start_positions() const { return start_x_; }

@@ -127,6 +127,7 @@ std::string xml_schema(const Registry& registry) {
       <xs:attribute name="duration" type="real"/>
       <xs:attribute name="tolerance" type="real"/>
       <xs:attribute name="gap_tolerance" type="real"/>
+      <xs:attribute name="time_tolerance" type="real"/>
       <xs:attribute name="passes" type="real"/>
       <xs:attribute name="substeps" type="real"/>
     </xs:complexType>

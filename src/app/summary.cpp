@@ -46,6 +46,7 @@ void Summary::add(const StepReport& report) {
   sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
   residual_.add(report.solve.residual, report.step);
   violation_.add(report.violation, report.step);
+  time_error_.add(report.worst_time_error(), report.step);
 }
 
 void Summary::count(std::map<std::string, Kind>& kinds, const std::vector<std::string>& sentences,
@@ -88,6 +89,7 @@ std::string Summary::text(double wall_seconds) const {
   row("sweeps", sweeps_);
   row("residual", residual_);
   row("violation [m]", violation_);
+  row("time error [m]", time_error_);
   append(out,
          "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",
          static_cast<double>(passes_) / n, static_cast<long>(most_passes_),

@@ -18,7 +18,10 @@ void Simulation::begin_report() {
   report_.solve = {};
   report_.messages.clear();
   report_.faults.clear();
-  for (BodyReport& b : report_.bodies) b.imbalance = {};
+  for (BodyReport& b : report_.bodies) {
+    b.imbalance = {};
+    b.time_error = 0;
+  }
 }
 
 /// Balanced is not enough where a body can go lower. False if none can.
@@ -103,6 +106,14 @@ bool Simulation::measure(const StepContext& context) {
   return good;
 }
 
+/// Whether the balanced guess is as near to the motion in continuous time as the scene asks.
+bool Simulation::is_short_enough(const StepContext& context) {
+  const Real most = scene_->limits.time_tolerance;
+  return most == 0 || std::all_of(bodies_.begin(), bodies_.end(), [&](const NamedBody& b) {
+           return ask(b.body).time_error(context) <= most;
+         });
+}
+
 /// The guess becomes the end of the step. The only place where topology and the number of rows may
 /// change.
 void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
@@ -112,6 +123,7 @@ void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {
   report_.violation = std::max(report_.violation, violation_);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = ask(bodies_[i].body);
+    report_.bodies[i].time_error += body.time_error(context);
     Imbalance& worst = report_.bodies[i].imbalance;
     if (!(imbalance_[i].relative <= worst.relative)) worst = imbalance_[i];
     Work& work = report_.bodies[i].work;
@@ -147,6 +159,12 @@ Imbalance StepReport::worst_imbalance() const {
   Imbalance worst;
   for (const BodyReport& b : bodies)
     if (!(b.imbalance.relative <= worst.relative)) worst = b.imbalance;
+  return worst;
+}
+
+Real StepReport::worst_time_error() const {
+  Real worst = 0;
+  for (const BodyReport& b : bodies) worst = std::max(worst, b.time_error);
   return worst;
 }
 

@@ -37,7 +37,7 @@ void Simulation::take_step(Timer& timer) {
                               .time = report_.time + dt * division.begin(),
                               .step = report_.step,
                               .gravity = scene_->gravity};
-    const bool solved = balance(context, timer);
+    const bool solved = balance(context, timer) && is_short_enough(context);
     if (!solved && division.halve()) continue;
     report_.parts = std::max(report_.parts, division.parts());
     accept(context, solved, timer);

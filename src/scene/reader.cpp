@@ -11,12 +11,13 @@
 namespace sutura {
 namespace {
 
-const std::vector<std::string> settings{
-    "version", "dt", "gravity", "duration", "tolerance", "gap_tolerance", "passes", "substeps"};
+const std::vector<std::string> settings{"version",        "dt",        "gravity",
+                                        "duration",       "tolerance", "gap_tolerance",
+                                        "time_tolerance", "passes",    "substeps"};
 const std::vector<std::string> only_name{"name"};
 constexpr Range dt_range{.low = 1e-9, .high = 1e4};        // s
 constexpr Range duration_range{.low = 0, .high = 1e6};     // s: eleven days
-constexpr Range tolerance_range{.low = 1e-12, .high = 1};  // of the gap: m
+constexpr Range tolerance_range{.low = 1e-12, .high = 1};  // of lengths: m
 constexpr Range count_range{.low = 1, .high = 1024};
 
 }  // namespace
@@ -164,19 +165,18 @@ void SceneReader::read_settings(const XmlElement& root) {
       read(scene_.limits.tolerance, "1", tolerance_range);
     } else if (value.name == "gap_tolerance") {
       read(scene_.limits.gap_tolerance, "m", tolerance_range);
+    } else if (value.name == "time_tolerance") {
+      read(scene_.limits.time_tolerance, "m", tolerance_range);
     } else if (value.name == "passes") {
       read_count(scene_.limits.passes, count_range, false);
     } else if (value.name == "substeps") {
       read_count(scene_.limits.substeps, count_range, true);
     } else if (value.name == "gravity") {
       const auto g = parse_quantities(value.text, "m/s^2", why);
-      if (!g)
-        complain(why);
-      else if (g->size() != 3)
-        complain(in_quotes(value.text) + " has " + std::to_string(g->size()) +
-                 " numbers; expected 3");
-      else
+      if (g && g->size() == 3)
         scene_.gravity = Vec3((*g)[0], (*g)[1], (*g)[2]);
+      else
+        complain(g ? in_quotes(value.text) + ": expected 3 numbers" : why);
     } else {
       if (value.location.line > 0)  // else it is said better with the other --set errors
         error(value.location, "",

@@ -30,6 +30,8 @@ class Writer {
       attribute("tolerance", format_real(limits.tolerance));
     if (limits.gap_tolerance != defaults.limits.gap_tolerance)
       attribute("gap_tolerance", format_real(limits.gap_tolerance) + " m");
+    if (limits.time_tolerance != defaults.limits.time_tolerance)
+      attribute("time_tolerance", format_real(limits.time_tolerance) + " m");
     if (limits.passes != defaults.limits.passes) attribute("passes", std::to_string(limits.passes));
     if (limits.substeps != defaults.limits.substeps)
       attribute("substeps", std::to_string(limits.substeps));

@@ -118,10 +118,10 @@ TEST_F(Recorders, ProbeWritesOneRowPerStepWithUnits) {
             "");
   EXPECT_EQ(contents(folder_ / "probe.csv"),
             "step,time [s],rod.tip.x [m],rod.tip.y [m],rod.tip.z [m],rod.held,"
-            "rows,sweeps,residual,violation [m],passes,parts,imbalance,solved\n"
-            "0,0,0.001,0.002,0.003,no,0,0,0,0,0,1,0,1\n"
-            "1,0.01,0.001,0.002,0.003,no,0,0,0,0,1,1,0,1\n"
-            "2,0.02,0.001,0.002,0.003,no,0,0,0,0,1,1,0,1\n");
+            "rows,sweeps,residual,violation [m],passes,parts,imbalance,time_error [m],solved\n"
+            "0,0,0.001,0.002,0.003,no,0,0,0,0,0,1,0,0,1\n"
+            "1,0.01,0.001,0.002,0.003,no,0,0,0,0,1,1,0,0,1\n"
+            "2,0.02,0.001,0.002,0.003,no,0,0,0,0,1,1,0,0,1\n");
 }
 
 TEST_F(Recorders, ProbeIsCompleteBeforeItIsFinished) {

@@ -1,0 +1,78 @@
+// What the length of a step costs: measured in every step, limited where a scene asks for it.
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+constexpr Real g = 9.81;
+
+struct Falling {
+  const char *content, *path, *where;
+};
+const Falling thread{
+    "<SutureThread name=\"b\" needle_length=\"0\" thread_length=\"50 mm\" thread_beams=\"10\"/>",
+    "/b", "end_position"};
+const Falling tissue{
+    "<BlockMesh box=\"0 0 0 10 10 10 mm\" cells=\"2 2 2\"/>"
+    "<Tissue name=\"b\" young=\"20 kPa\"/>"
+    "<TissueProbe name=\"p\" point=\"5 5 5 mm\"/>",
+    "/p", "position"};
+
+class TimeError : public ::testing::TestWithParam<Falling> {};
+
+// A body that falls gets faster by g h in a step: implicit Euler puts it g h^2/2 too low.
+TEST_P(TimeError, OfAFallIsThatOfImplicitEuler) {
+  const Falling& f = GetParam();
+  TextRun run(f.content, "dt=\"20 ms\" gravity=\"0 0 -9.81\"");
+  ASSERT_TRUE(run) << run.said();
+  const Real start = run.vector(f.path, f.where).z();
+  Real sum = 0;
+  for (int n = 1; n <= 10; ++n) {
+    const StepReport& report = run.simulation().step();
+    EXPECT_NEAR(report.worst_time_error(), g * 0.02 * 0.02 / 2, 1e-9);
+    sum += report.worst_time_error();
+    const Real exact = start - g * report.time * report.time / 2;
+    EXPECT_NEAR(exact - run.vector(f.path, f.where).z(), sum, 1e-8);
+  }
+}
+
+// Parts of h/4 are 16 times as accurate each; what they cost is said of the whole step.
+TEST_P(TimeError, DividesAStepThatIsTooLong) {
+  const Falling& f = GetParam();
+  TextRun run(f.content, "dt=\"20 ms\" gravity=\"0 0 -9.81\" time_tolerance=\"0.13 mm\"");
+  ASSERT_TRUE(run) << run.said();
+  const StepReport& report = run.simulation().step();  // 1.96 mm whole, 0.12 mm a quarter
+  EXPECT_TRUE(report.solved);
+  EXPECT_EQ(report.parts, 4);
+  EXPECT_NEAR(report.worst_time_error(), g * 0.02 * 0.02 / 2 / 4, 1e-9);
+}
+
+TEST_P(TimeError, ThatNoPartMeetsIsSaid) {
+  const Falling& f = GetParam();
+  TextRun run(f.content,
+              "dt=\"20 ms\" gravity=\"0 0 -9.81\" time_tolerance=\"0.13 mm\" substeps=\"2\"");
+  ASSERT_TRUE(run) << run.said();
+  const StepReport& report = run.simulation().step();
+  EXPECT_FALSE(report.solved);
+  EXPECT_EQ(report.parts, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, TimeError, ::testing::Values(thread, tissue),
+                         [](const auto& i) { return i.index == 0 ? "thread" : "tissue"; });
+
+// What moves evenly costs nothing, and what is held is where it is held.
+TEST(TimeErrorOf, AHandThatMovesEvenlyIsThatOfItsFirstStep) {
+  TextRun run(
+      "<SutureThread name=\"b\" needle_length=\"0\" thread_length=\"50 mm\" "
+      "thread_beams=\"10\" damping_mass=\"100 1/s\"/>"
+      "<Track name=\"t\" times=\"0 1 s\" positions=\"0 0 0 100 0 0 mm\"/>"
+      "<Grasper at=\"0\" track=\"t\"/>");
+  ASSERT_TRUE(run) << run.said();
+  // From rest to 0.1 m/s: h/2 of that, 0.5 mm; soon after it all moves as the hand does.
+  EXPECT_NEAR(run.simulation().step().worst_time_error(), 0.5e-3, 0.05e-3);
+  run.run(0.2);
+  EXPECT_LT(run.simulation().step().worst_time_error(), 1e-6);
+}
+
+}  // namespace
+}  // namespace sutura::testing
