@@ -91,6 +91,16 @@ SUTURA_C sutura_status sutura_diagnostic_at(size_t number, sutura_diagnostic* di
  * `text` is valid until then. */
 typedef void (*sutura_message)(void* user, int32_t severity, const char* text);
 
+/* Work that need not be done within a step: a tissue's next factor. `data` is what the library has
+ * handed over with it; of anything else nothing happens. */
+typedef void (*sutura_job)(void* data);
+/* Has a pool of the host call job(data), soon and on any worker of it; during this call too, if
+ * the pool likes. Called by whoever steps, loads or restores; several simulations may do so at
+ * once. Must not call the library otherwise. The pool may come late, or never: a factor that a step
+ * must have is made in the step, one with lag "free" is older then. After sutura_destroy, and a
+ * second time, job(data) does nothing. */
+typedef void (*sutura_enqueue)(void* pool, sutura_job job, void* data);
+
 /* How to load. All zero but the first two members: as the command does. */
 typedef struct sutura_options {
   uint32_t struct_size;                  /* in: sizeof(sutura_options) */
@@ -103,6 +113,8 @@ typedef struct sutura_options {
   int32_t allow_outside;       /* 1: recorders may write outside of it */
   sutura_message message;      /* null: none */
   void* user;                  /* handed to `message` */
+  sutura_enqueue enqueue;      /* null: each tissue that needs one starts a worker of its own */
+  void* pool;                  /* handed to `enqueue` */
 } sutura_options;
 
 /* Reads a scene with its plugins and files and makes it ready for its first step. `options` may be

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <new>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 namespace sutura::tissue {
@@ -32,69 +34,136 @@ bool SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
 
 namespace {
 
-/// Signals of the process go to workers of the host: its handlers do not run on ours.
-template <class Run>
-std::thread deaf_thread(const Run& run) {
-  sigset_t all, before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread out(run);
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return out;
-}
+/// The only worker of one tissue.
+class OwnWorker : public WorkerPool {
+ public:
+  OwnWorker() : thread_(deaf_thread([this] { run(); })) {}
+  ~OwnWorker() override {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+
+  void enqueue(std::shared_ptr<Job> job) override {
+    {
+      const std::lock_guard lock(mutex_);
+      job_ = std::move(job);
+    }
+    wake_.notify_one();
+  }
+
+ private:
+  /// Signals of the process go to workers of the host: its handlers do not run on ours.
+  template <class Run>
+  static std::thread deaf_thread(const Run& run) {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    std::thread out(run);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return out;
+  }
+
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      wake_.wait(lock, [this] { return stop_ || job_; });
+      if (stop_) return;
+      const std::shared_ptr<Job> job = std::move(job_);
+      lock.unlock();
+      job->run();
+      lock.lock();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::shared_ptr<Job> job_;
+  bool stop_ = false;
+  std::thread thread_;
+};
 
 }  // namespace
 
-FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook)
-    : plan_(std::move(plan)), hook_(std::move(hook)), thread_(deaf_thread([this] { run(); })) {}
+/// Where a job lies until a worker takes it, and then its answer. A pool may come to it late: it
+/// outlives the tissue then, and has nothing to do.
+class FactorWorker::Desk : public Job {
+ public:
+  Desk(std::shared_ptr<const FactorPlan> plan, Hook hook)
+      : plan_(std::move(plan)), hook_(std::move(hook)) {}
+
+  void put(std::unique_ptr<SnapshotFactor> job) {
+    const std::lock_guard lock(mutex_);
+    job_ = std::move(job);
+  }
+
+  void run() noexcept override {
+    std::unique_lock lock(mutex_);
+    if (!job_) return;
+    std::unique_ptr<SnapshotFactor> job = std::move(job_);
+    at_work_ = true;
+    lock.unlock();
+    const bool answer = !hook_ || hook_(job->snapshot->step);
+    try {
+      if (answer) job->factorise(plan_);
+    } catch (...) {  // no memory; here nobody else could catch it
+      job->ok = false;
+      job->plan.reset();
+    }
+    lock.lock();
+    if (answer) answer_ = std::move(job);
+    at_work_ = false;
+    done_.notify_all();
+  }
+
+  std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience) {
+    std::unique_lock lock(mutex_);
+    if (!answer_ && patience.count() > 0)
+      done_.wait_for(lock, patience, [this] { return answer_ != nullptr; });
+    return std::move(answer_);
+  }
+
+  /// Nobody is at work on it any more, and nobody begins.
+  void clear() {
+    std::unique_lock lock(mutex_);
+    job_.reset();
+    done_.wait(lock, [this] { return !at_work_; });
+    answer_.reset();
+  }
+
+ private:
+  std::shared_ptr<const FactorPlan> plan_;
+  Hook hook_;
+  std::mutex mutex_;  ///< guards the rest; held for a few instructions
+  std::condition_variable done_;
+  std::unique_ptr<SnapshotFactor> job_, answer_;
+  bool at_work_ = false;
+};
+
+FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan,
+                           std::shared_ptr<WorkerPool> pool, Hook hook)
+    : desk_(std::make_shared<Desk>(std::move(plan), std::move(hook))),
+      pool_(pool ? std::move(pool) : std::make_shared<OwnWorker>()) {}
 
 FactorWorker::~FactorWorker() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  wake_.notify_one();
-  thread_.join();
+  desk_->clear();
 }
 
 void FactorWorker::submit(std::unique_ptr<SnapshotFactor> job) {
   assert(!busy_);
   busy_ = true;
-  {
-    const std::lock_guard lock(mutex_);
-    job_ = std::move(job);
-  }
-  wake_.notify_one();
+  desk_->put(std::move(job));
+  pool_->enqueue(desk_);
 }
 
 std::unique_ptr<SnapshotFactor> FactorWorker::take(std::chrono::duration<double> patience) {
-  std::unique_lock lock(mutex_);
-  if (!answer_ && patience.count() > 0)
-    done_.wait_for(lock, patience, [this] { return answer_ != nullptr; });
-  if (answer_) busy_ = false;
-  return std::move(answer_);
-}
-
-void FactorWorker::run() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    wake_.wait(lock, [this] { return stop_ || job_; });
-    if (stop_) return;
-    std::unique_ptr<SnapshotFactor> job = std::move(job_);
-    lock.unlock();
-    const bool answer = !hook_ || hook_(job->snapshot->step);
-    try {
-      if (answer) job->factorise(plan_);
-    } catch (const std::bad_alloc&) {  // here nobody else could catch it
-      job->ok = false;
-      job->plan.reset();
-    }
-    lock.lock();
-    if (answer) {
-      answer_ = std::move(job);
-      done_.notify_one();
-    }
-  }
+  if (patience.count() > 0) desk_->run();
+  std::unique_ptr<SnapshotFactor> out = desk_->take(patience);
+  if (out) busy_ = false;
+  return out;
 }
 
 }  // namespace sutura::tissue
