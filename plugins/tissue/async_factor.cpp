@@ -2,10 +2,12 @@
 
 #include <pthread.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cassert>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -86,6 +88,44 @@ class OwnWorker : public WorkerPool {
   std::thread thread_;
 };
 
+/// Where every factorisation beside a step goes through. A process that ends waits there for those
+/// that are under way: the libraries that they work with are about to clean up.
+class Gate {
+ public:
+  static Gate& only() {
+    static Gate* const gate = new Gate;  // never destroyed: workers may still come
+    return *gate;
+  }
+  bool enter() {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return false;
+    if (process_ != ::getpid()) inside_ = 0;  // workers do not come along when a process forks
+    process_ = ::getpid();
+    ++inside_;
+    return true;
+  }
+  void leave() {
+    const std::lock_guard lock(mutex_);
+    if (--inside_ == 0) empty_.notify_all();
+  }
+
+ private:
+  Gate() {
+    std::atexit([] { only().close(); });
+  }
+  void close() {
+    std::unique_lock lock(mutex_);
+    closed_ = true;
+    empty_.wait(lock, [this] { return inside_ == 0 || process_ != ::getpid(); });
+  }
+
+  std::mutex mutex_;
+  std::condition_variable empty_;
+  int inside_ = 0;
+  pid_t process_ = ::getpid();
+  bool closed_ = false;
+};
+
 }  // namespace
 
 /// Where a job lies until a worker takes it, and then its answer. A pool may come to it late: it
@@ -102,9 +142,9 @@ class FactorWorker::Desk : public Job {
 
   void run() noexcept override {
     std::unique_lock lock(mutex_);
-    if (!job_) return;
+    if (!job_ || !Gate::only().enter()) return;
     std::unique_ptr<SnapshotFactor> job = std::move(job_);
-    at_work_ = true;
+    at_work_ = ::getpid();
     lock.unlock();
     const bool answer = !hook_ || hook_(job->snapshot->step);
     try {
@@ -115,14 +155,16 @@ class FactorWorker::Desk : public Job {
     }
     lock.lock();
     if (answer) answer_ = std::move(job);
-    at_work_ = false;
+    at_work_ = 0;
     done_.notify_all();
+    lock.unlock();
+    Gate::only().leave();
   }
 
   std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience) {
     std::unique_lock lock(mutex_);
     if (!answer_ && patience.count() > 0)
-      done_.wait_for(lock, patience, [this] { return answer_ != nullptr; });
+      done_.wait_for(lock, patience, [this] { return answer_ || is_lost(); });
     return std::move(answer_);
   }
 
@@ -130,21 +172,24 @@ class FactorWorker::Desk : public Job {
   void clear() {
     std::unique_lock lock(mutex_);
     job_.reset();
-    done_.wait(lock, [this] { return !at_work_; });
+    done_.wait(lock, [this] { return at_work_ == 0 || is_lost(); });
     answer_.reset();
   }
 
  private:
+  /// The process has forked, and who was at work has stayed behind.
+  bool is_lost() const { return at_work_ != 0 && at_work_ != ::getpid(); }
+
   std::shared_ptr<const FactorPlan> plan_;
   Hook hook_;
   std::mutex mutex_;  ///< guards the rest; held for a few instructions
   std::condition_variable done_;
   std::unique_ptr<SnapshotFactor> job_, answer_;
-  bool at_work_ = false;
+  pid_t at_work_ = 0;  ///< the process whose worker is at it
 };
 
-FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan,
-                           std::shared_ptr<WorkerPool> pool, Hook hook)
+FactorWorker::FactorWorker(std::shared_ptr<const FactorPlan> plan, std::shared_ptr<WorkerPool> pool,
+                           Hook hook)
     : desk_(std::make_shared<Desk>(std::move(plan), std::move(hook))),
       pool_(pool ? std::move(pool) : std::make_shared<OwnWorker>()) {}
 

@@ -58,8 +58,8 @@ class FactorWorker {
   /// Not while a snapshot is handed in whose factor has not been taken out yet. `job` carries the
   /// snapshot, and if it has one, a factor whose memory is reused.
   void submit(std::unique_ptr<SnapshotFactor> job);
-  /// The answer, or null if there is none yet. With patience it is made here if no worker has begun,
-  /// and else waited for so long.
+  /// The answer, or null if there is none yet. With patience it is made here if no worker has
+  /// begun, and else waited for so long.
   std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience);
 
  private:

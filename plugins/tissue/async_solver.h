@@ -36,7 +36,7 @@ struct AsyncOptions {
   /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot
   /// here. The result is the same.
   Real patience = 10;
-  Resources resources;        ///< whose workers make the factors, and where plans may be found
+  Resources resources;      ///< whose workers make the factors, and where plans may be found
   FactorWorker::Hook hook;  ///< for tests
 };
 

@@ -14,8 +14,8 @@ void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
   x_.resize(3 * pattern->nodes());
   for (VecX* v : {&in_, &out_}) v->resize(3 * pattern->nodes());
   candidates_.reset(pattern, fixed, candidates);
-  plan_ = make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_,
-                           cache_.get());
+  plan_ =
+      make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_, cache_.get());
   adopt_plan();
   report_ = {};
 }

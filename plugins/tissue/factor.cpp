@@ -189,9 +189,8 @@ std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePat
                                                    std::span<const Index> nodes,
                                                    FactorBackend backend, Cache* cache) {
   PlanKey key{pattern, {fixed.begin(), fixed.end()}, {nodes.begin(), nodes.end()}, backend};
-  return cached(cache, std::move(key), [&] {
-    return std::make_shared<const FactorPlan>(pattern, fixed, nodes, backend);
-  });
+  return cached(cache, std::move(key),
+                [&] { return std::make_shared<const FactorPlan>(pattern, fixed, nodes, backend); });
 }
 
 std::shared_ptr<const FactorPlan> with_candidates(const FactorPlan& plan,

@@ -32,8 +32,8 @@ std::shared_ptr<const RestShape> rest_shape(MeshData mesh, bool assumed_metres, 
     out->mesh = mesh;
     out->checked = check_mesh(out->mesh, assumed_metres);
     if (out->checked.error.empty())
-      out->topology = std::make_shared<SolidTopology>(out->mesh.points, out->mesh.tets,
-                                                      out->checked.boundary);
+      out->topology =
+          std::make_shared<SolidTopology>(out->mesh.points, out->mesh.tets, out->checked.boundary);
     return out;
   };
   return cached(cache, MeshKey{mesh, assumed_metres}, make);

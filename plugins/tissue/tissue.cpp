@@ -126,7 +126,8 @@ void Tissue::initialise(Setup& setup) {
   Cache* const cache = setup.resources.cache.get();
   own_solver_ = solver ? nullptr : make_direct_solver(setup.resources.cache);
   solver_ = solver ? solver.get() : own_solver_.get();
-  step_.emplace(model_, *solver_, load(), cached(cache, PatternKey{mesh->shape(), element == TissueElement::smoothed}, [&] {
+  step_.emplace(model_, *solver_, load(),
+                cached(cache, PatternKey{mesh->shape(), element == TissueElement::smoothed}, [&] {
                   return std::make_shared<const NodePattern>(n, model_.elastic->pairs());
                 }));
   update_materials();

@@ -12,7 +12,7 @@
 namespace sutura {
 class Cache;
 class Registry;
-}
+}  // namespace sutura
 
 namespace sutura::tissue {
 
