@@ -116,6 +116,24 @@ TEST(Misuse, OfTheMessageFunction) {
   EXPECT_EQ(sutura_destroy(seen.simulation), SUTURA_OK);
 }
 
+// The host asks another simulation for advice while it is told what is wrong with this one.
+TEST(Misuse, AMessageFunctionMayLoadOtherScenes) {
+  sutura_options how = options();
+  how.message = [](void*, std::int32_t, const char*) {
+    sutura_simulation s = 0;
+    EXPECT_EQ(sutura_load("/nowhere.xml", nullptr, &s), SUTURA_BAD_FILE);
+    s = load_text(held_thread);
+    EXPECT_EQ(sutura_step(s, 1), SUTURA_OK) << sutura_error();
+    EXPECT_EQ(sutura_destroy(s), SUTURA_OK);
+  };
+  const std::string text = "<sutura version='1'><A/><B/><C/></sutura>";
+  sutura_simulation s = 0;
+  EXPECT_EQ(sutura_load_text(text.data(), text.size(), "a.xml", nullptr, &how, &s),
+            SUTURA_BAD_SCENE);
+  EXPECT_EQ(sutura_diagnostic_count(), 3u);
+  EXPECT_EQ(std::string(sutura_error()).substr(0, 5), "a.xml");
+}
+
 /// Calls with arguments that are right, nearly right and wrong.
 class RandomHost {
  public:
