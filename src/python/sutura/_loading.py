@@ -51,7 +51,7 @@ class Pool:
     """An executor that does what need not be done within a step."""
 
     def __init__(self, workers: Executor | None):
-        if workers is not None and (isinstance(workers, ProcessPoolExecutor)
+        if workers is not None and (isinstance(workers, (type, ProcessPoolExecutor))
                                     or not hasattr(workers, "submit")):
             raise Misuse(f"workers cannot be {workers!r}; expected a ThreadPoolExecutor, or what "
                          "has its method submit")
