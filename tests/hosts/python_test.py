@@ -84,6 +84,22 @@ class Bits(unittest.TestCase):
             w.join()
         self.assertEqual(list(together.values()), [alone[0]] * 3)
 
+    def test_with_eigen_the_kernels_of_blas_do_not_matter(self):
+        program = ("import hashlib, sys, sutura;"
+                   "sim = sutura.loads(sys.argv[1], directory=sys.argv[2]); sim.step(8);"
+                   "print(hashlib.sha256(sim.save()).hexdigest())")
+        prick = (SCENES / "suture/prick.xml").read_text()
+
+        def bits(backend, kernels):
+            scene = prick.replace("<Attach", f'<DirectSolver backend="{backend}"/> <Attach')
+            return subprocess.run(
+                [sys.executable, "-W", "ignore", "-c", program, scene, SCENES / "suture"],
+                check=True, env={**os.environ, "OPENBLAS_CORETYPE": kernels}, capture_output=True).stdout
+        self.assertEqual(bits("eigen", "Haswell"), bits("eigen", "Nehalem"))
+        if "SUTURA_CHOLMOD:BOOL=ON" in (BUILD / "CMakeCache.txt").read_text():
+            self.assertNotEqual(bits("auto", "Haswell"), bits("auto", "Nehalem"),
+                                "the scene does not show what this test is about")
+
     def test_workers_of_the_host(self):
         def run(workers):
             path = next(p for p, c in sutura.load(STITCH).components.items()
