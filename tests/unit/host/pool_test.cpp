@@ -107,10 +107,10 @@ TEST(Pool, HoweverItWorksTheBitsAreThoseOfOwnWorkers) {
     Pool pool(way);
     std::atomic<int> equal{0};
     std::vector<std::thread> hosts;
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 2; ++i)
       hosts.emplace_back([&] { equal += run(pool.options()) == expected ? 1 : 0; });
     for (std::thread& h : hosts) h.join();
-    EXPECT_EQ(equal.load(), 3) << "way " << static_cast<int>(way);
+    EXPECT_EQ(equal.load(), 2) << "way " << static_cast<int>(way);
     ASSERT_GT(pool.handed_in().size(), 0u) << "the scene does not show what this test is about";
     // The simulations are gone; late, again or with something made up, nothing happens.
     for (const Pool::Entry& e : pool.handed_in()) e.job(e.data);
