@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,8 +18,16 @@ namespace sutura {
 
 struct ComponentInfo;
 class Archive;
+class Cache;
 class Component;
 class Scene;
+class WorkerPool;
+
+/// What a host gives to its simulations; null: nothing.
+struct Resources {
+  std::shared_ptr<WorkerPool> pool;  ///< who works beside the steps, instead of own workers
+  std::shared_ptr<Cache> cache;      ///< for what several simulations have in common
+};
 
 /// Handed to Component::initialise: the settings of the scene and a place to complain.
 struct Setup {
@@ -38,6 +47,7 @@ struct Setup {
     std::string pattern;
   };
   std::map<std::string, Claim> claims = {};
+  Resources resources = {};
 
   /// False once this component has complained. Errors of others are none of its business.
   bool ok() const { return diagnostics.errors() == errors_before; }

@@ -112,7 +112,8 @@ class Simulation {
   /// `allow_outside`: components may write files outside of the output folder.
   static std::unique_ptr<Simulation> compile(std::unique_ptr<Scene> scene,
                                              const std::filesystem::path& output_directory,
-                                             Diagnostics& diagnostics, bool allow_outside = false);
+                                             Diagnostics& diagnostics, bool allow_outside = false,
+                                             const Resources& resources = {});
   ~Simulation();
 
   /// One time step. Never throws; what went wrong is in the report. After a `failure` it does

@@ -12,8 +12,8 @@
  * simulation answers one call at a time; a second call meanwhile is not made to wait but returns
  * SUTURA_BUSY. Different simulations work side by side and give the bits that each gives alone.
  *
- * The host's process is left as it is: locale, rounding mode, number of BLAS threads. Results
- * do not depend on them.
+ * The host's process is left as it is: locale, rounding mode, number of BLAS threads. Results do
+ * not depend on them, if the number of BLAS threads is not set while a call is at work.
  *
  * Units are SI throughout. Text is UTF-8 and ends with 0. */
 #ifndef SUTURA_SUTURA_H
@@ -91,6 +91,16 @@ SUTURA_C sutura_status sutura_diagnostic_at(size_t number, sutura_diagnostic* di
  * `text` is valid until then. */
 typedef void (*sutura_message)(void* user, int32_t severity, const char* text);
 
+/* Work that need not be done within a step: a tissue's next factor. `data` is what the library has
+ * handed over with it; of anything else nothing happens. */
+typedef void (*sutura_job)(void* data);
+/* Has a pool of the host call job(data), soon and on any worker of it; during this call too, if
+ * the pool likes. Called by whoever steps, loads or restores; several simulations may do so at
+ * once. Must not call the library otherwise. The pool may come late, or never: a factor that a step
+ * must have is made in the step, one with lag "free" is older then. After sutura_destroy, and a
+ * second time, job(data) does nothing. */
+typedef void (*sutura_enqueue)(void* pool, sutura_job job, void* data);
+
 /* How to load. All zero but the first two members: as the command does. */
 typedef struct sutura_options {
   uint32_t struct_size;                  /* in: sizeof(sutura_options) */
@@ -103,6 +113,8 @@ typedef struct sutura_options {
   int32_t allow_outside;       /* 1: recorders may write outside of it */
   sutura_message message;      /* null: none */
   void* user;                  /* handed to `message` */
+  sutura_enqueue enqueue;      /* null: each tissue that needs one starts a worker of its own */
+  void* pool;                  /* handed to `enqueue` */
 } sutura_options;
 
 /* Reads a scene with its plugins and files and makes it ready for its first step. `options` may be
@@ -146,6 +158,7 @@ typedef struct sutura_report {
                        last */
 } sutura_report;
 
+/* Of the last step; of the beginning, or of the state, if there has been none since. */
 SUTURA_C sutura_status sutura_get_report(sutura_simulation simulation, sutura_report* report);
 
 /* The scene as XML that loads to the same scene. Valid until the next call of this function for
@@ -160,8 +173,10 @@ SUTURA_C sutura_status sutura_save(sutura_simulation simulation, const void** da
 /* Goes back, or on, to a state of the same scene: the steps from there are the same to the bit.
  * SUTURA_BAD_FILE if it is damaged, of another scene or of another build. Not while recording. */
 SUTURA_C sutura_status sutura_restore(sutura_simulation simulation, const void* data, size_t size);
-/* The same to and from a file, which the command can go on from (--resume). */
+/* sutura_save to a file, which the command can go on from (--resume). Makes its folder; replaces a
+ * file that is there, whole or not at all. SUTURA_BAD_FILE if it cannot, or if it is no file. */
 SUTURA_C sutura_status sutura_save_file(sutura_simulation simulation, const char* file);
+/* sutura_restore from a file: of sutura_save_file, or of the command (--checkpoint-every). */
 SUTURA_C sutura_status sutura_restore_file(sutura_simulation simulation, const char* file);
 /* Back to before the first step. Not while recording. */
 SUTURA_C sutura_status sutura_reset(sutura_simulation simulation);
@@ -188,7 +203,9 @@ typedef struct sutura_component {
   const char* summary;  /* one or two sentences */
 } sutura_component;
 
+/* Number of components, 1 or more. */
 SUTURA_C sutura_status sutura_component_count(sutura_simulation simulation, size_t* count);
+/* The one with this number, from 0. SUTURA_MISUSE if there is none. */
 SUTURA_C sutura_status sutura_component_at(sutura_simulation simulation, size_t number,
                                            sutura_component* component);
 
@@ -206,25 +223,33 @@ typedef struct sutura_value {
   double low, high;     /* admissible, of each number; infinite where there is no limit */
 } sutura_value;
 
-/* By the path of the component, a dot and the name: "/track.position". */
+/* By the path of the component, a dot and the name: "/track.position". SUTURA_MISUSE, and the
+ * nearest name, if there is none. */
 SUTURA_C sutura_status sutura_find_input(sutura_simulation simulation, const char* name,
                                          sutura_input* input);
-/* All inputs of all components have numbers, from 0, in the order of the scene. */
+/* Number of inputs of all components. */
 SUTURA_C sutura_status sutura_input_count(sutura_simulation simulation, size_t* count);
+/* The one with this number, from 0, in the order of the scene. */
 SUTURA_C sutura_status sutura_input_at(sutura_simulation simulation, size_t number,
                                        sutura_input* input);
+/* Name, unit, range, how many numbers, a sentence. */
 SUTURA_C sutura_status sutura_describe_input(sutura_input input, sutura_value* value);
-/* Holds from the next step on, until it is set anew. `count` is the size of the input.
- * SUTURA_MISUSE for a value that is not finite or out of range. */
+/* Holds from the next step on, until it is set anew. `values`: `count` numbers in the unit of the
+ * input, `count` its size, 1 or 3. SUTURA_MISUSE for a value that is not finite or out of range. */
 SUTURA_C sutura_status sutura_set_input(sutura_input input, const double* values, size_t count);
 
+/* As sutura_find_input: "/grasper.force". */
 SUTURA_C sutura_status sutura_find_output(sutura_simulation simulation, const char* name,
                                           sutura_output* output);
+/* Number of outputs of all components. */
 SUTURA_C sutura_status sutura_output_count(sutura_simulation simulation, size_t* count);
+/* The one with this number, from 0, in the order of the scene. */
 SUTURA_C sutura_status sutura_output_at(sutura_simulation simulation, size_t number,
                                         sutura_output* output);
+/* Name, unit, how many numbers, a sentence; the range is infinite. */
 SUTURA_C sutura_status sutura_describe_output(sutura_output output, sutura_value* value);
-/* At the end of the last step. `count` is the size of the output. */
+/* At the end of the last step. `values` takes `count` numbers in the unit of the output, `count`
+ * its size, 1 or 3. SUTURA_MISUSE for an output that is a text. */
 SUTURA_C sutura_status sutura_get_output(sutura_output output, double* values, size_t count);
 /* Of an output that is a text. Valid until the next call of this function for this simulation. */
 SUTURA_C sutura_status sutura_get_text(sutura_output output, const char** text);
@@ -232,9 +257,12 @@ SUTURA_C sutura_status sutura_get_text(sutura_output output, const char** text);
 /* --- Bodies: threads and tissues, for drawing --------------------------------------------------
  */
 
+/* By its path: "/skin/tissue". SUTURA_MISUSE, and the nearest name, if there is none. */
 SUTURA_C sutura_status sutura_find_body(sutura_simulation simulation, const char* path,
                                         sutura_body* body);
+/* Number of bodies. */
 SUTURA_C sutura_status sutura_body_count(sutura_simulation simulation, size_t* count);
+/* The one with this number, from 0, in the order of the scene. */
 SUTURA_C sutura_status sutura_body_at(sutura_simulation simulation, size_t number,
                                       sutura_body* body);
 
@@ -245,13 +273,14 @@ typedef struct sutura_geometry {
   uint32_t corners;     /* of a cell: 2, a beam; 4, a tetrahedron */
   uint64_t topology;    /* another number whenever cells or the number of points are others */
   const char* path;     /* of the body */
-  size_t point_count;   /* */
+  size_t point_count;
   const double* points; /* point_count x 3, m */
-  size_t cell_count;    /* */
+  size_t cell_count;
   const int64_t* cells; /* cell_count x corners, numbers of points from 0 */
-  size_t field_count;
+  size_t field_count;   /* for sutura_get_field */
 } sutura_geometry;
 
+/* Where it is. The first call after a step copies it: points x 24 bytes and more for fields. */
 SUTURA_C sutura_status sutura_get_geometry(sutura_body body, sutura_geometry* geometry);
 
 /* What a body knows of each of its points or cells; valid as its geometry is. */
@@ -264,6 +293,7 @@ typedef struct sutura_field {
   const double* values; /* count x components */
 } sutura_field;
 
+/* The one with this number, from 0 to field_count - 1 of the geometry. */
 SUTURA_C sutura_status sutura_get_field(sutura_body body, size_t number, sutura_field* field);
 
 /* --- Tools: tracks that a host may move ---------------------------------------------------------
@@ -271,15 +301,20 @@ SUTURA_C sutura_status sutura_get_field(sutura_body body, size_t number, sutura_
 
 /* Poses are seven numbers: a position (m) and a unit quaternion w x y z. They are motions of space
  * by which the tool is away from where it was modelled: x becomes position + rotation x. */
+
+/* By its path: "/track". SUTURA_MISUSE, and the nearest name, if there is none. */
 SUTURA_C sutura_status sutura_find_tool(sutura_simulation simulation, const char* path,
                                         sutura_tool* tool);
+/* Number of tools. */
 SUTURA_C sutura_status sutura_tool_count(sutura_simulation simulation, size_t* count);
+/* The one with this number, from 0, in the order of the scene. */
 SUTURA_C sutura_status sutura_tool_at(sutura_simulation simulation, size_t number,
                                       sutura_tool* tool);
-/* At the end of the last step. */
+/* Seven numbers: where it is at the end of the last step. */
 SUTURA_C sutura_status sutura_get_pose(sutura_tool tool, double pose[7]);
 /* Where the tool is at the end of the next step, and of those after it; its key frames count no
- * more. The quaternion may be off unit length by 1e-3 and is made unit. */
+ * more. The quaternion may be off unit length by 1e-3 and is made unit. SUTURA_MISUSE if it is off
+ * by more, or if a number is not finite. */
 SUTURA_C sutura_status sutura_set_pose(sutura_tool tool, const double pose[7]);
 
 #ifdef __cplusplus

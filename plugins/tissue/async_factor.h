@@ -2,17 +2,15 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "block_matrix.h"
 #include "factor.h"
 #include "sutura/types.h"
+#include "sutura/worker_pool.h"
 
 namespace sutura::tissue {
 
@@ -47,10 +45,12 @@ struct SnapshotFactor {
 
 class FactorWorker {
  public:
-  /// `hook`, for tests: called on the worker before each factorisation with the step of the
-  /// snapshot; it may sleep, and the job is lost without an answer if it returns false.
+  /// For tests: called before each factorisation with the step of the snapshot; it may sleep, and
+  /// the job is lost without an answer if it returns false.
   using Hook = std::function<bool(Index step)>;
-  explicit FactorWorker(std::shared_ptr<const FactorPlan> plan, Hook hook = {});
+  /// Without a pool it starts a worker of its own.
+  FactorWorker(std::shared_ptr<const FactorPlan> plan, std::shared_ptr<WorkerPool> pool,
+               Hook hook = {});
   ~FactorWorker();
   FactorWorker(const FactorWorker&) = delete;
   FactorWorker& operator=(const FactorWorker&) = delete;
@@ -58,20 +58,15 @@ class FactorWorker {
   /// Not while a snapshot is handed in whose factor has not been taken out yet. `job` carries the
   /// snapshot, and if it has one, a factor whose memory is reused.
   void submit(std::unique_ptr<SnapshotFactor> job);
-  /// The answer, waiting for it at most `patience`; null if there is none yet.
+  /// The answer, or null if there is none yet. With patience it is made here if no worker has
+  /// begun, and else waited for so long.
   std::unique_ptr<SnapshotFactor> take(std::chrono::duration<double> patience);
 
  private:
-  void run();
-
-  std::shared_ptr<const FactorPlan> plan_;
-  Hook hook_;
-  bool busy_ = false;  ///< touched by the simulation only
-  std::mutex mutex_;   ///< guards the three below; held for a few instructions
-  std::condition_variable wake_, done_;
-  std::unique_ptr<SnapshotFactor> job_, answer_;
-  bool stop_ = false;
-  std::thread thread_;
+  class Desk;
+  std::shared_ptr<Desk> desk_;
+  std::shared_ptr<WorkerPool> pool_;
+  bool busy_ = false;  ///< a job has been handed in and not been taken out
 };
 
 }  // namespace sutura::tissue

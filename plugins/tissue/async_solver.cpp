@@ -28,7 +28,8 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   for (VecX* v : {&asked_, &answered_}) v->resize(n);
   fixed_.assign(fixed.begin(), fixed.end());
   candidates_.reset(pattern_, fixed, candidates);
-  plan_ = make_factor_plan(pattern_, fixed_, candidates_.chosen(), options_.backend);
+  plan_ = make_factor_plan(pattern_, fixed_, candidates_.chosen(), options_.backend,
+                           options_.resources.cache.get());
   report_ = {};
   last_iterations_ = 0;
 }
@@ -116,7 +117,8 @@ bool AsyncSolver::solve_on_device(Real tolerance) {
 }
 
 void AsyncSolver::submit(std::unique_ptr<SnapshotFactor> job) {
-  if (!worker_) worker_ = std::make_unique<FactorWorker>(plan_, options_.hook);
+  if (!worker_)
+    worker_ = std::make_unique<FactorWorker>(plan_, options_.resources.pool, options_.hook);
   worker_->submit(std::move(job));
 }
 

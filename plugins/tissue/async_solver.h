@@ -9,6 +9,7 @@
 #include "async_factor.h"
 #include "factor.h"
 #include "pcg.h"
+#include "sutura/component.h"
 #include "tissue_solver.h"
 
 namespace sutura::tissue {
@@ -35,6 +36,7 @@ struct AsyncOptions {
   /// With fixed adoptions: how long to wait for the worker (s) before factorising its snapshot
   /// here. The result is the same.
   Real patience = 10;
+  Resources resources;      ///< whose workers make the factors, and where plans may be found
   FactorWorker::Hook hook;  ///< for tests
 };
 

@@ -14,7 +14,8 @@ void SynchronousSolver::analyse(std::shared_ptr<const NodePattern> pattern,
   x_.resize(3 * pattern->nodes());
   for (VecX* v : {&in_, &out_}) v->resize(3 * pattern->nodes());
   candidates_.reset(pattern, fixed, candidates);
-  plan_ = make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_);
+  plan_ =
+      make_factor_plan(std::move(pattern), fixed_, candidates_.chosen(), backend_, cache_.get());
   adopt_plan();
   report_ = {};
 }
@@ -97,8 +98,10 @@ NodeCompliance SynchronousSolver::compliance() const {
   return {&compliance_, number_, {}};
 }
 
-std::unique_ptr<TissueSolver> make_direct_solver() {
-  return std::make_unique<SynchronousSolver>();
+std::unique_ptr<TissueSolver> make_direct_solver(std::shared_ptr<Cache> cache) {
+  auto out = std::make_unique<SynchronousSolver>();
+  out->set_cache(std::move(cache));
+  return out;
 }
 
 }  // namespace sutura::tissue

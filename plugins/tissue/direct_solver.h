@@ -16,6 +16,8 @@ class SynchronousSolver : public TissueSolver {
  public:
   explicit SynchronousSolver(FactorBackend backend = default_backend()) : backend_(backend) {}
   void set_backend(FactorBackend backend) { backend_ = backend; }
+  /// Where plans of elimination may be found.
+  void set_cache(std::shared_ptr<Cache> cache) { cache_ = std::move(cache); }
 
   void analyse(std::shared_ptr<const NodePattern> pattern, std::span<const char> fixed,
                std::span<const Index> candidates) override;
@@ -37,6 +39,7 @@ class SynchronousSolver : public TissueSolver {
   void adopt_plan();
 
   FactorBackend backend_;
+  std::shared_ptr<Cache> cache_;
   std::shared_ptr<const FactorPlan> plan_;
   std::unique_ptr<Factor> factor_;
   std::vector<char> fixed_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "factor_plan.h"
+#include "sutura/cache.h"
 
 namespace sutura::tissue {
 namespace {
@@ -173,11 +174,23 @@ FactorBackend default_backend() {
   return has_backend(FactorBackend::cholmod) ? FactorBackend::cholmod : FactorBackend::eigen;
 }
 
+namespace {
+struct PlanKey {
+  std::shared_ptr<const NodePattern> pattern;
+  std::vector<char> fixed;
+  std::vector<Index> candidates;
+  FactorBackend backend;
+  bool operator==(const PlanKey&) const = default;
+};
+}  // namespace
+
 std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePattern> pattern,
                                                    std::span<const char> fixed,
                                                    std::span<const Index> nodes,
-                                                   FactorBackend backend) {
-  return std::make_shared<FactorPlan>(std::move(pattern), fixed, nodes, backend);
+                                                   FactorBackend backend, Cache* cache) {
+  PlanKey key{pattern, {fixed.begin(), fixed.end()}, {nodes.begin(), nodes.end()}, backend};
+  return cached(cache, std::move(key),
+                [&] { return std::make_shared<const FactorPlan>(pattern, fixed, nodes, backend); });
 }
 
 std::shared_ptr<const FactorPlan> with_candidates(const FactorPlan& plan,

@@ -10,6 +10,10 @@
 #include "sutura/device.h"
 #include "sutura/growing.h"
 
+namespace sutura {
+class Cache;
+}
+
 namespace sutura::tissue {
 
 enum class FactorBackend { cholmod, eigen };
@@ -25,11 +29,12 @@ class FactorPlan;
 
 /// `fixed`: per node, nonzero if prescribed (its rows and columns are left out); empty: none is.
 /// `candidates`: free nodes to be eliminated last, in this order, so that the factor knows their
-/// compliance (see Factor::candidate_compliance); fixed nodes among them are skipped.
+/// compliance (see Factor::candidate_compliance); fixed nodes among them are skipped. `cache`:
+/// where one for the same pattern may be, or null.
 std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePattern> pattern,
                                                    std::span<const char> fixed,
                                                    std::span<const Index> candidates,
-                                                   FactorBackend backend);
+                                                   FactorBackend backend, Cache* cache = nullptr);
 
 class Factor {
  public:

@@ -52,7 +52,8 @@ class OneBlasThread {
   ~OneBlasThread() {
     if (!openblas_set_num_threads || !openblas_get_num_threads) return;
     const std::lock_guard lock(mutex_);
-    if (--alive_ == 0) openblas_set_num_threads(threads_);
+    // Unless the host has set another number meanwhile.
+    if (--alive_ == 0 && openblas_get_num_threads() == 1) openblas_set_num_threads(threads_);
   }
   OneBlasThread(const OneBlasThread&) = delete;
   OneBlasThread& operator=(const OneBlasThread&) = delete;

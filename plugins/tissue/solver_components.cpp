@@ -51,6 +51,7 @@ void DirectSolver::describe(Describe<DirectSolver>& d) {
 
 void DirectSolver::initialise(Setup& setup) {
   set_backend(chosen(backend, *this, setup));
+  set_cache(setup.resources.cache);
 }
 
 void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
@@ -84,6 +85,7 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
 
 void AsyncPreconditioner::initialise(Setup& setup) {
   AsyncOptions o;
+  o.resources = setup.resources;
   o.backend = chosen(backend, *this, setup);
   o.tolerance = tolerance;
   o.max_iterations = max_iterations;

@@ -24,9 +24,9 @@ void TetMesh::describe(Describe<TetMesh>& d) {
               "The unit of length of the file; unstated means metres, with a warning if the mesh "
               "is so large that millimetres were probably meant.");
   d.output("nodes", "1", "Number of nodes.",
-           [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.points.size()); });
+           [](const TetMesh& m) -> Real { return static_cast<Real>(m.data().points.size()); });
   d.output("tets", "1", "Number of tetrahedra.",
-           [](const TetMesh& m) -> Real { return static_cast<Real>(m.data_.tets.size()); });
+           [](const TetMesh& m) -> Real { return static_cast<Real>(m.data().tets.size()); });
 }
 
 void TetMesh::initialise(Setup& setup) {
@@ -50,24 +50,22 @@ void TetMesh::initialise(Setup& setup) {
 }
 
 void TetMesh::take(MeshData data, const std::string& what, Setup& setup) {
-  data_ = std::move(data);
   // Only a file can leave its unit open.
-  checked_ = check_mesh(data_, !file.path.empty() && unit == Unit::unstated);
-  for (const std::string& warning : checked_.report.warnings)
+  shape_ = rest_shape(std::move(data), !file.path.empty() && unit == Unit::unstated,
+                      setup.resources.cache.get());
+  for (const std::string& warning : report().warnings)
     setup.warning(*this, what + ": " + warning, Category::file);
-  if (!checked_.error.empty()) {
-    setup.error(*this, what + ": " + checked_.error, Category::file);
-    return;
-  }
+  if (const std::string& error = shape_->checked.error; !error.empty())
+    setup.error(*this, what + ": " + error, Category::file);
 }
 
 std::optional<int> TetMesh::region(const std::string& name_or_tag, std::string& error) const {
-  const std::set<int> present(data_.region.begin(), data_.region.end());
+  const std::set<int> present(data().region.begin(), data().region.end());
   std::string list;
   std::vector<std::string> names;
   for (const int tag : present) {
-    const auto named = data_.region_names.find(tag);
-    const std::string name = named == data_.region_names.end() ? std::string() : named->second;
+    const auto named = data().region_names.find(tag);
+    const std::string name = named == data().region_names.end() ? std::string() : named->second;
     if (name_or_tag == std::to_string(tag) || (!name.empty() && name_or_tag == name)) return tag;
     if (!name.empty()) names.push_back(name);
     list +=

@@ -1,8 +1,9 @@
 // <TetMesh file="pad.msh" unit="mm"/>: the rest shape of a tissue.
 #pragma once
 
-#include "mesh_check.h"
-#include "mesh_data.h"
+#include <memory>
+
+#include "rest_shape.h"
 #include "sutura/component.h"
 #include "sutura/describe.h"
 
@@ -19,9 +20,11 @@ class TetMesh : public Component {
   static void describe(Describe<TetMesh>& d);
   void initialise(Setup& setup) override;
 
-  const MeshData& data() const { return data_; }
-  const MeshReport& report() const { return checked_.report; }
-  const std::vector<BoundaryFace>& boundary() const { return checked_.boundary; }
+  /// Shared by the simulations that have the same mesh. After `initialise`.
+  const std::shared_ptr<const RestShape>& shape() const { return shape_; }
+  const MeshData& data() const { return shape_->mesh; }
+  const MeshReport& report() const { return shape_->checked.report; }
+  const std::vector<BoundaryFace>& boundary() const { return shape_->checked.boundary; }
   /// The tag of a region given by name or number; nothing, and what there is, if no tet has it.
   std::optional<int> region(const std::string& name_or_tag, std::string& error) const;
 
@@ -30,8 +33,7 @@ class TetMesh : public Component {
   void take(MeshData data, const std::string& what, Setup& setup);
 
  private:
-  MeshData data_;
-  CheckedMesh checked_;
+  std::shared_ptr<const RestShape> shape_ = std::make_shared<RestShape>();
 };
 
 }  // namespace sutura::tissue

@@ -6,6 +6,7 @@
 #include "material_limits.h"
 #include "smoothed_t4.h"
 #include "sutura/archive.h"
+#include "sutura/cache.h"
 #include "sutura/scene.h"
 #include "tissue_statics.h"
 
@@ -13,6 +14,13 @@ namespace sutura::tissue {
 namespace {
 
 constexpr std::size_t most_tets = 1000000;  // some 4 GB with matrix and factor
+
+/// Which nodes an element couples.
+struct PatternKey {
+  std::shared_ptr<const RestShape> shape;
+  bool smoothed;
+  bool operator==(const PatternKey&) const = default;
+};
 
 }  // namespace
 
@@ -115,14 +123,16 @@ void Tissue::initialise(Setup& setup) {
   model_.damping_mass = damping_mass;
   model_.damping_stiffness = damping_stiffness;
 
-  own_solver_ = solver ? nullptr : make_direct_solver();
+  Cache* const cache = setup.resources.cache.get();
+  own_solver_ = solver ? nullptr : make_direct_solver(setup.resources.cache);
   solver_ = solver ? solver.get() : own_solver_.get();
-  step_.emplace(model_, *solver_, load());
+  step_.emplace(model_, *solver_, load(),
+                cached(cache, PatternKey{mesh->shape(), element == TissueElement::smoothed}, [&] {
+                  return std::make_shared<const NodePattern>(n, model_.elastic->pairs());
+                }));
   update_materials();
 
-  const auto topology =
-      std::make_shared<const SolidTopology>(data.points, data.tets, mesh->boundary());
-  queries_.assign(3, SolidQueries(topology));
+  queries_.assign(3, SolidQueries(mesh->shape()->topology));
   for (SolidQueries& q : queries_) q.move(model_.rest);
 }
 

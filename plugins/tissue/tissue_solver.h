@@ -10,8 +10,9 @@
 #include "sutura/types.h"
 
 namespace sutura {
+class Cache;
 class Registry;
-}
+}  // namespace sutura
 
 namespace sutura::tissue {
 
@@ -72,7 +73,7 @@ class TissueSolver {
 };
 
 /// What a tissue uses that names no solver: factorises the matrix of every step.
-std::unique_ptr<TissueSolver> make_direct_solver();
+std::unique_ptr<TissueSolver> make_direct_solver(std::shared_ptr<Cache> cache = {});
 
 /// The components of this room that implement TissueSolver.
 void enrol_tissue_solvers(Registry& registry);

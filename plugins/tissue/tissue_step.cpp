@@ -9,7 +9,8 @@
 
 namespace sutura::tissue {
 
-TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load)
+TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load,
+                       std::shared_ptr<const NodePattern> pattern)
     : model_(model),
       solver_(solver),
       load_(load),
@@ -20,7 +21,7 @@ TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& loa
       force_(v_),
       missing_(v_),
       change_(v_),
-      A_(model.dofs() / 3, model.elastic->pairs()),
+      A_(std::move(pattern)),
       linearised_at_(x_),
       reaction_(v_) {
   model_.elastic->bind(*A_.pattern());

@@ -5,6 +5,7 @@
 //   A dv = r + h p,   r = M (v_start - v) + h (f(x) + M g - B v).
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,10 @@ namespace sutura::tissue {
 
 class TissueStep {
  public:
-  /// All three are kept by reference. `load`: of the step (N), empty or three numbers per node.
-  TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load);
+  /// The first three are kept by reference. `load`: of the step (N), empty or three numbers per
+  /// node. `pattern`: of the pairs of the elements.
+  TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load,
+             std::shared_ptr<const NodePattern> pattern);
 
   /// Makes the factor that the first step needs: the first step finds the same matrix again.
   void prepare(Real dt);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -65,6 +66,8 @@ sutura_status with(std::uint64_t handle, Kind kind, const void* result, const F&
 /// one has grown since, its size of then is to be written here.
 template <class Struct>
 inline constexpr std::size_t first_size = sizeof(Struct);
+template <>
+inline constexpr std::size_t first_size<sutura_options> = offsetof(sutura_options, enqueue);
 
 /// Fills a struct of the API that begins with its size, as far as the caller knows it.
 template <class Struct>

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "host/call.h"
+#include "host/host_pool.h"
 
 namespace sutura::host {
 namespace {
@@ -87,16 +88,19 @@ sutura_status load(const std::filesystem::path& name, const sutura_options* opti
     session->user = as_given.user;
     session->environment = &environment;
     enrol_builtin(session->registry);
+    Resources resources{nullptr, common_cache()};
+    if (as_given.enqueue != nullptr)
+      resources.pool = std::make_shared<HostPool>(*session, as_given.enqueue, as_given.pool);
     Diagnostics diagnostics;
     std::unique_ptr<Scene> scene = read(session->registry, diagnostics, load_options(as_given));
     if (scene)
       session->simulation = Simulation::compile(
           std::move(scene),
           as_given.output != nullptr ? std::filesystem::path(as_given.output) : "out" / name.stem(),
-          diagnostics, as_given.allow_outside != 0);
-    found.assign(diagnostics.all().begin(), diagnostics.all().end());
-    for (const Diagnostic& d : found)
+          diagnostics, as_given.allow_outside != 0, resources);
+    for (const Diagnostic& d : diagnostics.all())  // the host may load another scene meanwhile
       session->tell(d.severity == Severity::error ? SUTURA_ERROR : SUTURA_WARNING, d.text());
+    found.assign(diagnostics.all().begin(), diagnostics.all().end());
     if (!session->simulation) return refuse(diagnostics);
     list_parts(*session);
     session->initial = session->simulation->save();

@@ -11,6 +11,7 @@ struct Sessions {
   std::shared_mutex mutex;
   std::unordered_map<std::uint64_t, std::shared_ptr<Session>> all;
   std::uint64_t next = 1;
+  const std::shared_ptr<Cache> cache = std::make_shared<Cache>();
 };
 
 /// Never destroyed: a host may still call while the process ends.
@@ -23,15 +24,15 @@ Sessions& sessions() {
 
 void Session::tell(int severity, const std::string& sentence) const {
   if (message == nullptr) return;
-  std::fenv_t ours;
-  std::fegetenv(&ours);
-  if (environment != nullptr) std::fesetenv(environment);
-  message(user, severity, sentence.c_str());
-  std::fesetenv(&ours);
+  in_mode_of_host([&] { message(user, severity, sentence.c_str()); });
 }
 
 std::uint64_t handle(std::uint64_t session, Kind kind, std::size_t number) {
   return static_cast<std::uint64_t>(kind) << 60 | session << 24 | number;
+}
+
+std::shared_ptr<Cache> common_cache() {
+  return sessions().cache;
 }
 
 std::uint64_t keep(std::shared_ptr<Session> session) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sutura/cache.h"
 #include "sutura/simulation.h"
 #include "sutura/sutura.h"
 #include "sutura/tool.h"
@@ -59,6 +60,15 @@ struct Session {
   std::atomic<bool> busy{false};
   const std::fenv_t* environment = nullptr;  ///< of the host, during a call
 
+  /// Calls the host as it has called.
+  template <class Call>
+  void in_mode_of_host(const Call& call) const {
+    std::fenv_t ours;
+    std::fegetenv(&ours);
+    if (environment != nullptr) std::fesetenv(environment);
+    call();
+    std::fesetenv(&ours);
+  }
   /// Hands a sentence to the host.
   void tell(int severity, const std::string& sentence) const;
 };
@@ -73,6 +83,9 @@ inline std::uint64_t session_of(std::uint64_t handle) {
 inline std::size_t number_of(std::uint64_t handle) {
   return handle & 0xffffff;
 }
+
+/// What every session is given, whatever its options: a cache that all of them share.
+std::shared_ptr<Cache> common_cache();
 
 /// All sessions of the process. Workers may call at any time.
 std::uint64_t keep(std::shared_ptr<Session> session);

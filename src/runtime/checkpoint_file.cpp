@@ -155,16 +155,24 @@ std::string unpack_chunks(std::span<const std::byte> bytes, std::vector<Chunk>& 
 std::string replace_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code error;
+  // What is replaced must be a file: a device, say /dev/null, would be gone.
+  const bool exists = std::filesystem::exists(file, error);
+  if (!file.has_filename() || (exists && !std::filesystem::is_regular_file(file, error)))
+    return "cannot write '" + file.string() + "': it is not a file";
+  error.clear();
   std::filesystem::create_directories(folder, error);
   if (error) return "cannot make the folder of " + file.string() + ": " + error.message();
   const std::filesystem::path temporary = file.string() + ".part";
   errno = 0;
-  {
+  const auto written = [&] {
     const Descriptor out(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-    if (!out.ok() || !out.write(bytes) || ::fsync(out.number()) != 0)
-      return failure("cannot write", temporary);
+    return out.ok() && out.write(bytes) && ::fsync(out.number()) == 0;
+  };
+  if (!written() || ::rename(temporary.c_str(), file.c_str()) != 0) {
+    std::string problem = failure("cannot write", file);
+    ::unlink(temporary.c_str());
+    return problem;
   }
-  if (::rename(temporary.c_str(), file.c_str()) != 0) return failure("cannot write", file);
   // The new name is on the disk only when the folder is.
   const Descriptor entry(folder, O_RDONLY | O_DIRECTORY);
   if (!entry.ok() || ::fsync(entry.number()) != 0) return failure("cannot write", file);
@@ -174,7 +182,7 @@ std::string replace_file(const std::filesystem::path& file, std::span<const std:
 std::string read_file(const std::filesystem::path& file, std::vector<std::byte>& bytes) {
   bytes.clear();
   errno = 0;
-  const Descriptor in(file, O_RDONLY);
+  const Descriptor in(file, O_RDONLY | O_NONBLOCK);  // a pipe would be waited for
   struct stat status {};
   if (!in.ok() || ::fstat(in.number(), &status) != 0) return failure("cannot read", file);
   if (!S_ISREG(status.st_mode)) return "cannot read " + file.string() + ": it is not a file";

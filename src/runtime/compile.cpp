@@ -61,7 +61,8 @@ Simulation::~Simulation() = default;
 
 std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
                                                 const std::filesystem::path& output_directory,
-                                                Diagnostics& diagnostics, bool allow_outside) {
+                                                Diagnostics& diagnostics, bool allow_outside,
+                                                const Resources& resources) {
   const FloatingPoint mode;
   std::unique_ptr<Simulation> s(new Simulation);
   s->scene_ = std::move(scene);
@@ -74,7 +75,8 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
               .dt = s->scene_->dt,
               .gravity = s->scene_->gravity,
               .scene = s->scene_.get(),
-              .allow_outside = allow_outside};
+              .allow_outside = allow_outside,
+              .resources = resources};
   // A component whose targets failed is not initialised: what it would complain of is their fault.
   std::set<const Component*> failed;
   for (Component* c : order.components()) {

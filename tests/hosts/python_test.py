@@ -12,6 +12,7 @@ import tempfile
 import threading
 import unittest
 import warnings
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -21,6 +22,7 @@ from sutura import _library
 
 SOURCE = Path(__file__).resolve().parents[2]
 SCENES = SOURCE / "scenes"
+STITCH = SCENES / "suture/first_stitch.xml"
 BUILD = Path(sys.argv.pop(1))
 
 
@@ -81,6 +83,44 @@ class Bits(unittest.TestCase):
         for w in workers:
             w.join()
         self.assertEqual(list(together.values()), [alone[0]] * 3)
+
+    def test_with_eigen_the_kernels_of_blas_do_not_matter(self):
+        program = ("import hashlib, sys, sutura;"
+                   "sim = sutura.loads(sys.argv[1], directory=sys.argv[2]); sim.step(8);"
+                   "print(hashlib.sha256(sim.save()).hexdigest())")
+        prick = (SCENES / "suture/prick.xml").read_text()
+
+        def bits(backend, kernels):
+            scene = prick.replace("<Attach", f'<DirectSolver backend="{backend}"/> <Attach')
+            return subprocess.run(
+                [sys.executable, "-W", "ignore", "-c", program, scene, SCENES / "suture"],
+                check=True, env={**os.environ, "OPENBLAS_CORETYPE": kernels}, capture_output=True).stdout
+        self.assertEqual(bits("eigen", "Haswell"), bits("eigen", "Nehalem"))
+        if "SUTURA_CHOLMOD:BOOL=ON" in (BUILD / "CMakeCache.txt").read_text():
+            self.assertNotEqual(bits("auto", "Haswell"), bits("auto", "Nehalem"),
+                                "the scene does not show what this test is about")
+
+    def test_workers_of_the_host(self):
+        def run(workers):
+            path = next(p for p, c in sutura.load(STITCH).components.items()
+                        if c.type == "AsyncPreconditioner")
+            with sutura.load(STITCH, settings={f"{path}.lag": 3}, workers=workers) as sim:
+                sim.step(50)
+                return sim.save()
+        alone = run(None)
+        handed_in = []
+
+        class Counted(ThreadPoolExecutor):
+            def submit(self, run, *arguments):
+                handed_in.append(arguments)
+                return super().submit(run, *arguments)
+        with Counted(2) as pool, ThreadPoolExecutor(3) as hosts:
+            self.assertEqual(list(hosts.map(run, [pool] * 3)), [alone] * 3)
+        self.assertGreater(len(handed_in), 2)
+        self.assertEqual(run(pool), alone)  # although it has been shut down
+        for wrong in (3, ProcessPoolExecutor):
+            with self.assertRaises(sutura.Misuse):
+                held_thread().load(workers=wrong)
 
     def test_a_locale_with_decimal_commas_changes_nothing(self):
         with tempfile.TemporaryDirectory() as folder:

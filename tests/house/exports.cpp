@@ -49,6 +49,17 @@ TEST(Exports, AreTheApisAndNothingElse) {
   EXPECT_EQ(of_c, declared());
 }
 
+TEST(Exports, EveryFunctionIsExplainedWhereItIsDeclared) {
+  const std::vector<std::string> header = lines(read("include/sutura/sutura.h"));
+  std::size_t explained = 0;
+  for (std::size_t i = 1; i < header.size(); ++i) {
+    if (!header[i].starts_with("SUTURA_C ")) continue;
+    EXPECT_TRUE(header[i - 1].ends_with("*/")) << header[i];
+    ++explained;
+  }
+  EXPECT_EQ(explained, declared().size());
+}
+
 // Whoever adds a function tells of it in every language.
 TEST(Exports, EveryFunctionIsInThePageOfC) {
   const std::string page = read("docs/embed/c.md");

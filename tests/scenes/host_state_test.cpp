@@ -2,7 +2,6 @@
 // it does from its beginning.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 
@@ -38,11 +37,7 @@ TEST_P(HostState, SavedRunRestoredAndRunAgainGivesTheSameBits) {
   const std::vector<std::byte> first = state(s);
   ASSERT_EQ(sutura_step(s, before), SUTURA_OK) << sutura_error();
   const std::vector<std::byte> start = state(s);
-  // Long scenes take minutes for a hundred steps; their kinds of components are in the others.
-  const bool is_long = GetParam().starts_with("validation") || GetParam() == "suture_wound" ||
-                       GetParam() == "components_Layer";
-  std::size_t steps = is_long ? 10 : 100;
-  if (const char* more = std::getenv("SUTURA_TEST_STEPS")) steps = std::strtoul(more, nullptr, 10);
+  constexpr std::size_t steps = 100;
   ASSERT_EQ(sutura_step(s, steps), SUTURA_OK) << sutura_error();
   const std::vector<std::byte> end = state(s);
   ASSERT_EQ(sutura_restore(s, start.data(), start.size()), SUTURA_OK) << sutura_error();

@@ -25,6 +25,8 @@ from .errors import BY_STATUS, Diagnostic, InternalError, LoadError
 API = 1
 
 Message = CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
+Job = CFUNCTYPE(None, c_void_p)
+Enqueue = CFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
 
 
 class Sized(Structure):
@@ -44,7 +46,7 @@ class Options(Sized):
                 ("plugin_directories", POINTER(c_char_p)), ("plugin_directory_count", c_size_t),
                 ("settings", POINTER(c_char_p)), ("setting_count", c_size_t),
                 ("output", c_char_p), ("allow_outside", c_int32), ("message", Message),
-                ("user", c_void_p)]
+                ("user", c_void_p), ("enqueue", Enqueue), ("pool", c_void_p)]
 
 
 class CReport(Sized):

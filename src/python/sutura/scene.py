@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -114,14 +115,15 @@ class Scene(Node):
 
     def load(self, *, settings: Mapping[str, object] | None = None,
              plugin_path: Sequence[PathLike] = (), output: PathLike | None = None,
-             allow_outside: bool = False, on_message: OnMessage | None = None) -> Simulation:
+             allow_outside: bool = False, on_message: OnMessage | None = None,
+             workers: Executor | None = None) -> Simulation:
         """Ready for its first step; arguments as of sutura.load. Errors name the lines of the
         Python file that made the elements."""
         xml, places = self._written()
         try:
             return loads(xml, name="scene", directory=self.directory, settings=settings,
                          plugin_path=plugin_path, output=output, allow_outside=allow_outside,
-                         on_message=on_message)
+                         on_message=on_message, workers=workers)
         except LoadError as error:
             moved = tuple(
                 replace(d, file=places[d.line - 1][0], line=places[d.line - 1][1])
@@ -145,7 +147,8 @@ def _default_name(tag: str) -> str:
 
 def load(file: PathLike, *, settings: Mapping[str, object] | None = None,
          plugin_path: Sequence[PathLike] = (), output: PathLike | None = None,
-         allow_outside: bool = False, on_message: OnMessage | None = None) -> Simulation:
+         allow_outside: bool = False, on_message: OnMessage | None = None,
+         workers: Executor | None = None) -> Simulation:
     """Reads a scene with its plugins and files and makes it ready for its first step.
 
     settings       replaces attributes: {"/skin/tissue.young": "30 kPa", ".dt": "5 ms"}
@@ -154,22 +157,24 @@ def load(file: PathLike, *, settings: Mapping[str, object] | None = None,
     allow_outside  lets recorders write outside of it
     on_message     is called with "note", "warning" or "error" and a sentence; left out,
                    warnings become SuturaWarning
+    workers        a ThreadPoolExecutor that may serve many simulations, for what need not be
+                   done within a step; left out, each tissue that needs one starts a thread
 
     SceneError, FileError or PluginError have file and line.
     """
     return Simulation(*load_with(lambda options, handle: library.sutura_load(
         os.fsencode(file), options, handle), settings, plugin_path, output, allow_outside,
-        on_message))
+        on_message, workers))
 
 
 def loads(xml: str, *, name: str = "scene", directory: PathLike | None = None,
           settings: Mapping[str, object] | None = None, plugin_path: Sequence[PathLike] = (),
           output: PathLike | None = None, allow_outside: bool = False,
-          on_message: OnMessage | None = None) -> Simulation:
+          on_message: OnMessage | None = None, workers: Executor | None = None) -> Simulation:
     """The same from a text. `name` stands for the file in messages; files that the scene names
     are looked for in `directory`."""
     data = xml.encode()
     where = None if directory is None else os.fsencode(directory)
     return Simulation(*load_with(lambda options, handle: library.sutura_load_text(
         data, len(data), name.encode(), where, options, handle), settings, plugin_path, output,
-        allow_outside, on_message))
+        allow_outside, on_message, workers))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from . import _library
 from ._library import check, library, text
-from ._loading import Messages, PathLike
+from ._loading import Messages, PathLike, Pool
 from .errors import Misuse, NotFound
 from .parts import Component, Input, Output, Shape, Value, copied
 from .picture import svg
@@ -42,9 +42,9 @@ class Report:
 class Simulation:
     """A scene ready for its first step. Made by sutura.load, sutura.loads and Scene.load."""
 
-    def __init__(self, handle: int, messages: Messages):
+    def __init__(self, handle: int, callbacks: tuple[Messages, Pool]):
         self._handle = handle
-        self._messages = messages  # keeps the callback alive
+        self._messages, self._pool = callbacks  # they live as long as the simulation
         self._shapes: dict[str, tuple[int, Shape]] = {}
         self._changes = 0
         self.inputs: dict[str, Input] = self._ports("input", Input)

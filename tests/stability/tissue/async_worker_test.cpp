@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -153,6 +154,32 @@ TEST(Worker, OneThatNeverAnswersIsReplacedByTheStepItself) {
   }
   EXPECT_EQ(s.x, x);
   EXPECT_TRUE(said);
+}
+
+/// Ends the process while its worker is at work: with 0 if that was waited for.
+[[noreturn]] void end_at_work() {
+  static std::atomic<bool> begun = false, finished = false;
+  std::atexit([] {  // handlers run in the reverse order: after that of the worker
+    if (!finished) std::_Exit(3);
+  });
+  AsyncOptions o = eager();
+  o.hook = [](Index) {
+    begun = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    finished = true;
+    return true;
+  };
+  AsyncSolver solver(o);
+  Swing s = block();
+  s.begin(solver);
+  while (!begun) s.step(solver);
+  std::exit(0);
+}
+
+// The libraries that a factorisation needs clean up when a process ends.
+TEST(Worker, AProcessThatEndsWaitsForIt) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(end_at_work(), ::testing::ExitedWithCode(0), "");
 }
 
 /// 60 steps with a worker that never answers. `look` sees the report of every step.

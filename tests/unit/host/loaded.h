@@ -77,11 +77,10 @@ inline std::vector<std::string> fixed_lags(const std::string& file) {
   return out;
 }
 
-inline sutura_simulation load_fixed(const std::string& file) {
+inline sutura_simulation load_fixed(const std::string& file, sutura_options how = options()) {
   const std::vector<std::string> settings = fixed_lags(file);
   std::vector<const char*> texts;
   for (const std::string& s : settings) texts.push_back(s.c_str());
-  sutura_options how = options();
   how.settings = texts.data();
   how.setting_count = texts.size() / 2;
   return load(file, &how);

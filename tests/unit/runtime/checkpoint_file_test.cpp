@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -97,6 +98,21 @@ TEST(CheckpointFile, SaysWhatCannotBeWrittenOrRead) {
   EXPECT_NE(read_file(folder.path(), bytes).find("not a file"), std::string::npos);
   std::ofstream(folder.path() / "plain") << "x";
   EXPECT_NE(replace_file(folder.path() / "plain" / "state", bytes), "");
+}
+
+// A device would be replaced by a file, and a pipe waited for.
+TEST(CheckpointFile, OnlyFilesAreReadAndReplaced) {
+  const Folder folder;
+  std::vector<std::byte> bytes{std::byte{1}};
+  const fs::path pipe = folder.path() / "pipe", link = folder.path() / "link";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0666), 0);
+  fs::create_symlink(pipe, link);
+  for (const fs::path& file : {pipe, link, folder.path(), folder.path() / "", fs::path()}) {
+    EXPECT_NE(replace_file(file, bytes).find("not a file"), std::string::npos) << file;
+    EXPECT_FALSE(fs::exists(file.string() + ".part")) << file;
+  }
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_NE(read_file(pipe, bytes).find("not a file"), std::string::npos);
 }
 
 // A child writes states of two megabytes one after the other until it is killed, at a moment that
