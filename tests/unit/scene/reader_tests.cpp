@@ -148,7 +148,7 @@ TEST(Reader, RefusesSettings) {
          "dt: '0' is out of range: it must be between 1e-09 and 10000 s");
   refuse("<sutura version='1' dt='1 m'/>", "dt: '1 m' has the wrong unit");
   refuse("<sutura version='1' duration='-1'/>", "between 0 and 1000000 s");
-  refuse("<sutura version='1' gravity='1 2'/>", "gravity: '1 2' has 2 numbers");
+  refuse("<sutura version='1' gravity='1 2'/>", "gravity: '1 2': expected 3 numbers");
   refuse("<sutura version='1' gravty='1 2 3'/>", "no attribute 'gravty'; did you mean 'gravity'?");
 }
 
