@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <string>
 
+#include "chain_motion.h"
 #include "sutura/archive.h"
 
 namespace sutura::thread {
@@ -159,7 +161,29 @@ void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX
 std::string SutureThread::trouble() const {
   if (!rod_.finite()) return "the state is no longer finite";
   if (!factored_) return "the matrix of the step is not positive definite";
-  return {};
+  return coarse_bend();
+}
+
+/// A cubic has no shape for a beam that bends by more: it snaps from one to the next as the thread
+/// is drawn round a corner.
+std::string SutureThread::coarse_bend() const {
+  constexpr Real most = 1;  // rad
+  Real largest = 0;
+  Index where = 0;
+  for (Index e = 0; e < rod_.beams(); ++e) {
+    const Vec3 a = tangent(rod_.poses()[e]), b = tangent(rod_.poses()[e + 1]);
+    const Real bend = std::atan2(a.cross(b).norm(), a.dot(b));
+    if (bend <= largest) continue;
+    largest = bend;
+    where = e;
+  }
+  if (largest <= most) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the beam at %.1f mm bends by %.1f rad: too long for that; more thread_beams, or "
+                "sampling_angle",
+                1e3 * rod_.abscissa()[where], largest);
+  return text;
 }
 
 Real SutureThread::radius(Real s) const {

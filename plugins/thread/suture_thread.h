@@ -114,6 +114,7 @@ class SutureThread : public Component, public SegmentedCurve {
   RestShape read_shape(Setup& setup, const char* attribute, const File& file);
   void start_moving();
   void build();
+  std::string coarse_bend() const;
   void lay_out(std::vector<Real> nodes);
   void doubt_sizes(Setup& setup) const;
   std::vector<Real> node_abscissae() const;

@@ -9,6 +9,7 @@
 
 #include "csv.h"
 #include "house/command.h"
+#include "scenes/text_run.h"
 
 namespace sutura::testing {
 namespace {
@@ -70,6 +71,30 @@ TEST(ThreadSampling, ABraidPulledIntoATightLoop) {
   // turns over on its way hangs on rounding: 110 at most in one build, 201 in another.
   EXPECT_LT(most, 2000 / 4);
   EXPECT_EQ(table.number(last, "braid.beams"), table.number(last - 50, "braid.beams"));
+}
+
+// A thread whose ends are brought to 4 mm of each other, parallel: half a turn within some 15 mm,
+// by three beams or by as many as that takes.
+std::string notes_of_a_fold(const std::string& sampling) {
+  TextRun run("<SutureThread name=\"t\" needle_length=\"0\" thread_length=\"24 mm\" " + sampling +
+              " thread_diameter=\"0.2 mm\" tip_direction=\"-1 0 0\" damping_mass=\"50 1/s\"/>"
+              "<Track name=\"still\" times=\"0 s\" positions=\"0 0 0 mm\"/>"
+              "<Grasper at=\"0\" track=\"still\"/>"
+              "<Track name=\"end\" centre=\"24 0 0 mm\" times=\"0 0.5 s\" "
+              "positions=\"0 0 0 -24 4 0 mm\" rotations=\"0 0 0 0 0 180 deg\" easing=\"smooth\"/>"
+              "<Grasper at=\"24 mm\" track=\"end\"/>");
+  EXPECT_TRUE(run) << run.said();
+  std::string notes;
+  for (int n = 0; n < 100 && run; ++n)
+    for (const std::string& m : run.simulation().step().messages) notes += m + "\n";
+  return notes;
+}
+
+TEST(ThreadSampling, ABeamThatIsTooLongForItsBendIsNamed) {
+  EXPECT_NE(notes_of_a_fold("thread_beams=\"3\"").find("bends by"), std::string::npos);
+  EXPECT_EQ(notes_of_a_fold("thread_beams=\"3\" sampling_angle=\"0.2\" "
+                            "shortest_beam=\"0.5 mm\""),
+            "");
 }
 
 }  // namespace
