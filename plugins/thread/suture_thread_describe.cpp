@@ -53,7 +53,8 @@ void SutureThread::describe(Describe<SutureThread>& d) {
   d.attribute("thread_rest_file", &T::thread_rest_file,
               "CSV file with curvature and torsion along the thread at rest, instead of the two "
               "numbers: columns s [mm], curvature [1/m], torsion [1/m]; a row holds from its s, "
-              "counted from the needle's end, to the next.");
+              "counted from the needle's end, to the next. A column side_curvature [1/m], across "
+              "the other, lays any curve out without twisting the thread.");
   d.attribute("thread_start_file", &T::thread_start_file,
               "CSV file, in the same form, with curvature and torsion of the thread as it is laid "
               "out at the start, instead of thread_direction: wound round a bar, in a loop.");

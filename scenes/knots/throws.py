@@ -2,7 +2,7 @@
 """Key frames of an instrument tie, as tables that Track reads. Run it to write the tables of this folder anew.
 
 A throw is tied as surgeons do it. The thread comes up at two points: a long strand, whose end a hand holds, and a tail
-that stands upright. Closed jaws come from the side of the long strand. The hand winds the strand round them, once or
+that points away from the place, to the side of the long strand. Closed jaws come from the side of the long strand. The hand winds the strand round them, once or
 twice; the jaws go to the tail, take its end and draw it back through the loop, which slides off. Then both are drawn
 apart, each to the other side, and the throw is tight.
 
@@ -39,7 +39,7 @@ class Throw:
     give    by how much the hand gives way while it draws the strand taut
     pull    likewise, when the throw is tightened
 
-    A second throw makes a square knot with the other side and the same front, a granny with both changed.
+    The jaws point to the other side of the long strand; `side` -1 turns them round in the scene. A second throw makes a square knot with the other side and the same front, a granny with both changed.
     """
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
