@@ -3,25 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "scenes/text_run.h"
-#include "stability/contact/crossings.h"
+#include "support/closed_line.h"
 #include "support/knot_type.h"
 
 namespace sutura::testing {
 namespace {
 
 constexpr KnotInvariant no_knot{1, 1}, trefoil{3, 2};
-
-/// The long strand (abscissa 0) goes on to the left for ever and the tail to the right.
-Line closed_to_the_sides(const SegmentedCurve& curve, int parts) {
-  Line line = line_of(curve, parts);
-  constexpr Real far = 1;  // m
-  const Vec3 first = line.front() - far * Vec3::UnitX(), last = line.back() + far * Vec3::UnitX();
-  line.push_back(last);
-  line.push_back(last + far * Vec3::UnitZ());
-  line.push_back(first + far * Vec3::UnitZ());
-  line.push_back(first);
-  return line;
-}
 
 // A (2, n) torus knot on a torus about z. With growing angle it turns left-handed or right-handed.
 Line torus_knot(int n, int hand, const Vec3& middle) {
