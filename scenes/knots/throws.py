@@ -38,12 +38,15 @@ class Throw:
     jaw     radius of the closed jaws and the thread together
     give    by how much the hand gives way while it draws the strand taut
     pull    likewise, when the throw is tightened
+    took    what the throw and what is in it take of the tail
+    end_of_tail  in the throw's own axes, where the tail does not lie as said, but is held somewhere
+    start   0: the thread lies as it is laid out; later: the hand and the tail come from wherever they are
 
     The jaws point to the other side of the long strand; `side` -1 turns them round in the scene. A second throw makes a square knot with the other side and the same front, a granny with both changed.
     """
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
-                 give=1.0, pull=10.0, start=0.0):
+                 give=1.0, pull=10.0, took=2.4, end_of_tail=None, start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
         self.turns, self.long, self.tail, self.jaw = turns, long, tail, jaw
         self.time, self.hand, self.jaws = start, [], []
@@ -51,11 +54,13 @@ class Throw:
         aslant = beside / (apart * (1.5 * math.pi - a))  # of the thread that goes round: a helix
         self.foot = (-apart * math.sin(a), beside / 2, apart * math.cos(a))
         self.end_of_tail = plus(self.foot, unit((math.cos(a), aslant, math.sin(a))), tail)
+        if end_of_tail is not None:
+            self.end_of_tail = end_of_tail
         self.from_here = (apart, -beside / 2, 0)
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
         self.wind(give)
         self.take(give)
-        self.tighten(pull)
+        self.tighten(pull, took)
 
     def key(self, seconds, hand, tip, what):
         """So many seconds later the hand and the tip are there, in the throw's own axes: x from the tail to the long
@@ -84,7 +89,7 @@ class Throw:
         below = unit(plus(plus(loop, (0, 0, -3)), self.from_here, -1))
         ready = plus(self.from_here, below, self.long + give)
         away = plus(tip, (48, 0, 0))
-        self.key(0, self.as_it_lies, away, "as it lies")
+        self.key(0, self.as_it_lies if self.time == 0 else None, away, "as it lies")
         self.key(0.4, ready, away, "the strand is drawn to the front")
         self.key(0.3, ready, None, "the jaws come over it")
         self.key(0.2, round_the_jaws(first), tip, "the strand lies on the jaws")
@@ -114,10 +119,10 @@ class Throw:
             self.key(0.4, self.taut(loop, self.wound, towards, give), end, "the loop slides along the tail")
         self.let_go = self.time + 0.2
 
-    def tighten(self, pull):
+    def tighten(self, pull, took):
         """The knot lies a thread's radius or two above the place; what it takes of both strands is `used`."""
         used, height = 1.6 * self.apart, 1.1 * self.apart
-        hand, tip = used - self.long, self.tail - 2.4
+        hand, tip = used - self.long, self.tail - took
         self.key(0.4, (hand + 2, 0, 2 * height), (tip - 1.2, 0, 2 * height), "both are drawn apart")
         self.key(0.4, (hand, 0, height), (tip - 1.2, 0, height), "both are drawn apart")
         self.key(0.5, (hand - pull, 0, height), (tip, 0, height), "the throw is tightened")
@@ -134,8 +139,27 @@ def table(name, keys):
     (HERE / name).write_text("\n".join(lines) + "\n")
 
 
+def square_knot():
+    """Two throws. Between them the first jaws let go and an assistant's hand lays the tail over to the other side."""
+    one = Throw(place=(0, 0, 0), apart=1.61)
+    two = Throw(place=(0, 0, 1.9), apart=0.3, side=-1, long=47.0, tail=11.2, beside=0.1, pull=2.0, took=3.4,
+                end_of_tail=(8.85, 0.59, 4.90), start=5.4)
+    held = plus(one.jaws[-1][1:4], (-2.2, 0, 0))
+    x, y, z = two.end_of_tail
+    over = plus((-x, y, z + 1.9), (0.7, 0.2, 0.1))
+    away = [(6.2, *one.jaws[-1][1:4], "the jaws let go"), (6.5, 45, 0, 10, "the jaws go away")]
+    help = [(6.25, *held, "the tail is held"), (6.45, *plus(held, (-2, 0, 5)), "the tail is laid over"),
+            (6.65, 0.5, 0, 11, "the tail is laid over"), (6.85, *over, "the tail is laid over")]
+    table("square_hand.csv", one.hand + two.hand)
+    table("square_jaws.csv", one.jaws + away)
+    table("square_other_jaws.csv", two.jaws)
+    table("square_assistant.csv", help)
+    print(f"square knot: grasp {one.grasp:.4g} and {two.grasp:.4g} s, end {two.end:.4g} s")
+
+
 if __name__ == "__main__":
     throw = Throw(place=(0, 0, 0), apart=1.61)
     table("throw_hand.csv", throw.hand)
     table("throw_jaws.csv", throw.jaws)
     print(f"throw: grasp {throw.grasp:.4g} s, let go {throw.let_go:.4g} s, end {throw.end:.4g} s")
+    square_knot()

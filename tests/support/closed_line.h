@@ -5,14 +5,15 @@
 
 namespace sutura::testing {
 
-/// Abscissa 0 goes on to the left (-x), the end to the right, and they meet high above.
-inline Line closed_to_the_sides(const SegmentedCurve& curve, int parts) {
+/// Abscissa 0 goes on to the left (-x), the end to the right, and they meet high above; `side` -1:
+/// the other way round.
+inline Line closed_to_the_sides(const SegmentedCurve& curve, int parts, int side = 1) {
   Line line = line_of(curve, parts);
-  constexpr Real far = 1;  // m
+  const Real far = side;  // m
   const Vec3 first = line.front() - far * Vec3::UnitX(), last = line.back() + far * Vec3::UnitX();
   line.push_back(last);
-  line.push_back(last + far * Vec3::UnitZ());
-  line.push_back(first + far * Vec3::UnitZ());
+  line.push_back(last + Vec3::UnitZ());
+  line.push_back(first + Vec3::UnitZ());
   line.push_back(first);
   return line;
 }
