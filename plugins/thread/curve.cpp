@@ -82,6 +82,19 @@ void curve_surface_jacobian(const Rod& rod, Real s, const Vec3& arm, PointJacobi
   J.block<3, 3>(0, 9) += at.u * roll - w[3] * turn * cross_matrix(curve.mb);
 }
 
+namespace {
+
+/// A beam that is cut touches nothing: a point far from everything, and from others of its kind.
+CurveSegment nowhere(CurveSegment s) {
+  constexpr Real far = 1e6;  // m
+  s.xa = s.xb = far * Vec3(1, 1 + s.from, 1 + s.to);
+  s.ma = s.mb = Vec3::Zero();
+  s.radius = 0;
+  return s;
+}
+
+}  // namespace
+
 void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& out) {
   out.resize(static_cast<std::size_t>(rod.beams()));
   for (Index e = 0; e < rod.beams(); ++e) {
@@ -93,6 +106,7 @@ void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& 
                                         .xb = q.xb,
                                         .mb = q.mb,
                                         .radius = rod.section(e).radius};
+    if (rod.is_cut(e)) out[static_cast<std::size_t>(e)] = nowhere(out[static_cast<std::size_t>(e)]);
   }
 }
 

@@ -10,10 +10,10 @@
 namespace sutura::thread {
 namespace {
 
-/// Where a helix is after s: the frame turns at the constant rate (torsion, 0, -curvature) in its
-/// own axes while it advances along its x axis.
+/// Where a helix is after s: the frame turns at the constant rate (torsion, side curvature,
+/// -curvature) in its own axes while it advances along its x axis.
 Pose along_helix(const RestPiece& piece, Real s) {
-  const Vec3 rate(piece.torsion, 0, -piece.curvature);
+  const Vec3 rate(piece.torsion, piece.side_curvature, -piece.curvature);
   const Real w = rate.norm(), a = w * s;
   const Vec3 x = Vec3::UnitX();
   // (1 - cos a) / w^2 and (a - sin a) / w^3; series where they would cancel.
@@ -41,7 +41,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 
 /// "s [mm]": which column, and the unit of its numbers.
 struct Column {
-  int quantity = -1;  ///< 0 s, 1 curvature, 2 torsion
+  int quantity = -1;  ///< 0 s, 1 curvature, 2 torsion, 3 side curvature
   std::string unit;
 };
 
@@ -50,7 +50,9 @@ Column column_of(const std::string& field) {
   const auto close = field.find(']');
   const std::string name = field.substr(0, field.find_first_of(" ["));
   Column c;
-  c.quantity = name == "s" ? 0 : name == "curvature" ? 1 : name == "torsion" ? 2 : -1;
+  constexpr const char* names[] = {"s", "curvature", "torsion", "side_curvature"};
+  for (int i = 0; i < 4; ++i)
+    if (name == names[i]) c.quantity = i;
   c.unit = open == std::string::npos || close == std::string::npos || close < open
                ? std::string(c.quantity == 0 ? "m" : "1/m")
                : field.substr(open + 1, close - open - 1);
@@ -118,7 +120,9 @@ std::vector<RestPiece> read_rest_shape(const std::filesystem::path& file, int& l
       const std::optional<Real> value =
           parse_quantity(fields[i] + ' ' + c.unit, c.quantity == 0 ? "m" : "1/m", error);
       if (!value) return {};
-      (c.quantity == 0 ? piece.from : c.quantity == 1 ? piece.curvature : piece.torsion) = *value;
+      Real* const quantities[] = {&piece.from, &piece.curvature, &piece.torsion,
+                                  &piece.side_curvature};
+      *quantities[c.quantity] = *value;
     }
     if (pieces.empty() ? piece.from != 0 : !(piece.from > pieces.back().from))
       return fail(pieces.empty() ? "the first row must be at s = 0, the needle's end"

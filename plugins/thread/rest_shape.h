@@ -13,9 +13,10 @@ namespace sutura::thread {
 /// From `from` on, until the next piece begins, the thread is a helix at rest (an arc, where it has
 /// no torsion; straight, where it has no curvature either).
 struct RestPiece {
-  Real from = 0;       ///< m, from the needle's end
-  Real curvature = 0;  ///< 1/m
-  Real torsion = 0;    ///< 1/m
+  Real from = 0;            ///< m, from the needle's end
+  Real curvature = 0;       ///< 1/m, about minus z of the section
+  Real torsion = 0;         ///< 1/m
+  Real side_curvature = 0;  ///< 1/m, about y of the section
 };
 
 class RestShape {
@@ -33,9 +34,9 @@ class RestShape {
   std::vector<Pose> starts_;  ///< of the pieces, seen from the first
 };
 
-/// Columns s, curvature and torsion with units in the header, `s [mm], curvature [1/m], torsion
-/// [1/m]`; torsion may be left out. A row holds from its s on. What is wrong goes to `error`, with
-/// the line.
+/// Columns s, curvature, torsion and side_curvature with units in the header, `s [mm], curvature
+/// [1/m], torsion [1/m]`; the last two may be left out. A row holds from its s on. What is wrong
+/// goes to `error`, with the line.
 std::vector<RestPiece> read_rest_shape(const std::filesystem::path& file, int& line,
                                        std::string& error);
 

@@ -27,6 +27,7 @@ void Rod::build(const RodLayout& layout) {
     masses_.emplace_back(elements_.back());
   }
   twist_.assign(n - 1, 0);
+  cut_.assign(n - 1, 0);
   velocity_.clear(dofs());
   clamped_.clear();
   springs_.clear();
@@ -40,7 +41,30 @@ void Rod::reserve(Index beams) {
   masses_.reserve(n);
   for (auto* poses : {&rest_, &pose_, &start_}) poses->reserve(n);
   twist_.reserve(n);
+  cut_.reserve(n);
   velocity_.reserve(6 * static_cast<Index>(n));
+}
+
+void Rod::cut(Index beam) {
+  cut_[static_cast<std::size_t>(beam)] = 1;
+  renew(beam);
+}
+
+Index Rod::cuts() const {
+  return std::count(cut_.begin(), cut_.end(), 1);
+}
+
+void Rod::renew(Index e) {
+  const auto i = static_cast<std::size_t>(e);
+  ElementRest& r = elements_[i] =
+      ElementRest(rest_[i], rest_[i + 1], abscissa_[i + 1] - abscissa_[i], sections_[i]);
+  masses_[i] = ElementMass(r);
+  if (!is_cut(e)) return;
+  r.axial = r.bend_1 = r.bend_2 = r.torsion = 0;
+  ElementMass& m = masses_[i];
+  m.same = r.mass / 2;
+  m.roll_same = r.rotary * r.length / 2;
+  m.other = m.couple_same = m.couple_other = m.spin_same = m.spin_other = m.roll_other = 0;
 }
 
 bool Rod::is_clamped(Index node) const {
@@ -122,6 +146,7 @@ void Rod::archive(Archive& a) {
   const std::size_t nodes = pose_.size(), springs = springs_.size();
   a.list("poses", pose_, [](Archive& each, Pose& pose) { each("pose", pose); });
   a("twist", twist_);
+  a("cut", cut_);
   velocity_.archive(a, "velocity");
   a.list("springs", springs_, [](Archive& each, NodeSpring& s) {
     each("node", s.node);
@@ -132,8 +157,10 @@ void Rod::archive(Archive& a) {
     each("applied", s.applied);
   });
   if (pose_.size() != nodes || velocity_.size() != dofs() || twist_.size() + 1 != nodes ||
-      springs_.size() != springs)
+      cut_.size() + 1 != nodes || springs_.size() != springs)
     a.fail("the state of another thread");
+  else if (a.restoring())
+    for (Index e = 0; e < beams(); ++e) renew(e);
   for (const NodeSpring& s : springs_)
     if (s.node < 0 || s.node >= static_cast<Index>(nodes)) a.fail("a hold of another thread");
 }

@@ -63,6 +63,10 @@ class Rod {
   const std::vector<Real>& twist() const { return twist_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
+  /// The beam bears nothing from now on; half of its mass stays with each of its ends.
+  void cut(Index beam);
+  bool is_cut(Index beam) const { return cut_[static_cast<std::size_t>(beam)] != 0; }
+  Index cuts() const;
   /// A step begins at the present poses.
   void mark_start() { start_ = pose_; }
 
@@ -86,12 +90,16 @@ class Rod {
   bool finite() const;
 
  private:
+  /// Constants of the beam, as its section and `cut_` say.
+  void renew(Index beam);
+
   std::vector<Real> abscissa_;
   std::vector<Section> sections_;
   std::vector<ElementRest> elements_;
   std::vector<ElementMass> masses_;
   std::vector<Pose> rest_, start_, pose_;
   std::vector<Real> twist_;
+  std::vector<Index> cut_;  ///< per beam, 1 where it is cut
   DofVector velocity_;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;

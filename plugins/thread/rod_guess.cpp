@@ -135,8 +135,9 @@ void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
   } else {
     xa += weight / 2;
     xb += weight / 2;
-    sa += r.length / 12 * s.ta.cross(weight);
-    sb -= r.length / 12 * s.tb.cross(weight);
+    const Real lever = rod.is_cut(e) ? 0 : r.length / 12;
+    sa += lever * s.ta.cross(weight);
+    sb -= lever * s.tb.cross(weight);
   }
   if (start.damping.stiffness > 0) {
     const Real beta = start.damping.stiffness;

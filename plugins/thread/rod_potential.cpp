@@ -24,8 +24,8 @@ Real potential(const Rod& rod, const RodStart& start, const RodGuess& guess) {
     const NodeRates b{v.vb - old.vb - fall, v.wb.cross(s.tb) - start.tangent_rate[e + 1],
                       v.wb - old.wb};
     sum += elastic_energy(r, s) + MassTimes(m, s, a, b).squared / 2;
-    if (!falls)
-      sum -= r.mass * start.gravity.dot(dt / 2 * (v.va + v.vb) + r.length / 12 * (s.ta - s.tb));
+    const Real lever = rod.is_cut(e) ? 0 : r.length / 12;
+    if (!falls) sum -= r.mass * start.gravity.dot(dt / 2 * (v.va + v.vb) + lever * (s.ta - s.tb));
   }
   for (const NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;

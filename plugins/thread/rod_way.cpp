@@ -29,7 +29,10 @@ void RodWay::aim(const Rod& rod, const RodGuess& guess, const Dofs& answer) {
   for (Index e = 0; e < rod.beams(); ++e) {
     const ElementState& s = guess.beams[e];
     chord_[e] = s.l * s.e;
-    give_[e + 1] = give_[e] + rod.element(e).length / rod.element(e).axial;
+    // The gap of a cut takes up whatever does not fit.
+    const Real axial =
+        rod.is_cut(e) ? 1e-9 * rod.section(e).axial_stiffness() : rod.element(e).axial;
+    give_[e + 1] = give_[e] + rod.element(e).length / axial;
     strain_[e] = s.strain;
     strain_change_[e] = strain_gradient(rod.element(e), s).dot(beam_motion(answer, e));
   }

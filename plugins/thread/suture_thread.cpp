@@ -138,7 +138,30 @@ bool SutureThread::leave_saddle() {
 
 void SutureThread::end_step(const StepContext&, const VecX& force) {
   step_.end(rod_, force);
+  if (strength > 0) break_where_too_taut();
   if (sampling_angle > 0) resample();
+}
+
+void SutureThread::cut(Real s) {
+  rod_.cut(place(rod_, s).beam);
+}
+
+std::string SutureThread::uncuttable() const {
+  return sampling_angle > 0 ? "a thread with 'sampling_angle' cannot be cut: its beams change" : "";
+}
+
+void SutureThread::break_where_too_taut() {
+  Index weakest = -1;
+  Real most = strength;
+  ElementState s;
+  for (Index e = 0; e < rod_.beams(); ++e) {
+    rod_.element_state(e, s);
+    if (rod_.is_cut(e) || rod_.abscissa()[e] < shape_.needle_length || !(s.tension > most))
+      continue;
+    most = s.tension;
+    weakest = e;
+  }
+  if (weakest >= 0) rod_.cut(weakest);
 }
 
 void SutureThread::resample() {
@@ -225,6 +248,7 @@ Real SutureThread::largest_strain() const {
   Real largest = 0;
   ElementState s;
   for (Index e = 0; e < rod_.beams(); ++e) {
+    if (rod_.is_cut(e)) continue;
     rod_.element_state(e, s);
     largest = std::max(largest, std::abs(s.strain));
   }
@@ -233,7 +257,8 @@ Real SutureThread::largest_strain() const {
 
 Real SutureThread::largest_curvature() const {
   Real largest = 0;
-  for (Index e = 0; e < rod_.beams(); ++e) largest = std::max(largest, beam_curvature(rod_, e));
+  for (Index e = 0; e < rod_.beams(); ++e)
+    if (!rod_.is_cut(e)) largest = std::max(largest, beam_curvature(rod_, e));
   return largest;
 }
 
@@ -261,6 +286,7 @@ BodyGeometry SutureThread::geometry() const {
   }
   ElementState s;
   for (Index e = 0; e < rod_.beams(); ++e) {
+    if (rod_.is_cut(e)) continue;
     g.connectivity.push_back(e);
     g.connectivity.push_back(e + 1);
     rod_.element_state(e, s);

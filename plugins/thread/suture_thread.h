@@ -8,12 +8,13 @@
 #include "rod_step.h"
 #include "sampling.h"
 #include "sutura/body.h"
+#include "sutura/cuttable.h"
 #include "sutura/describe.h"
 #include "suture_shape.h"
 
 namespace sutura::thread {
 
-class SutureThread : public Component, public SegmentedCurve {
+class SutureThread : public Component, public SegmentedCurve, public Cuttable {
  public:
   static constexpr const char* interface_name = "SutureThread";
   enum class Clamp { none, start, end, both };
@@ -34,7 +35,7 @@ class SutureThread : public Component, public SegmentedCurve {
   Real tip_angle = 0, approach = 0;
   Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
   bool settles = false;
-  Real damping_mass = 0, damping_stiffness = 0;
+  Real damping_mass = 0, damping_stiffness = 0, strength = 0;
   Clamp clamp = Clamp::none;
   static void describe(Describe<SutureThread>& d);
 
@@ -95,6 +96,10 @@ class SutureThread : public Component, public SegmentedCurve {
   void release_hold(Index hold) override;
   Wrench hold_wrench(Index hold) const override;
 
+  // Cuttable
+  void cut(Real s) override;
+  std::string uncuttable() const override;
+
   /// To the load of the step: on the section of a hold, which need not be closed.
   void add_load(Index hold, const Wrench& wrench);
   /// Of the beam at s: mean curvature (1/m), twist per length (rad/m) and axial force (N).
@@ -121,6 +126,7 @@ class SutureThread : public Component, public SegmentedCurve {
   Section section(Real s) const;
   Real drawn_radius(Real s) const;
   void resample();
+  void break_where_too_taut();
 
   Rod rod_;
   RodStep step_;

@@ -53,7 +53,8 @@ void SutureThread::describe(Describe<SutureThread>& d) {
   d.attribute("thread_rest_file", &T::thread_rest_file,
               "CSV file with curvature and torsion along the thread at rest, instead of the two "
               "numbers: columns s [mm], curvature [1/m], torsion [1/m]; a row holds from its s, "
-              "counted from the needle's end, to the next.");
+              "counted from the needle's end, to the next. A column side_curvature [1/m], across "
+              "the other, lays any curve out without twisting the thread.");
   d.attribute("thread_start_file", &T::thread_start_file,
               "CSV file, in the same form, with curvature and torsion of the thread as it is laid "
               "out at the start, instead of thread_direction: wound round a bar, in a loop.");
@@ -102,6 +103,10 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Drag against the world, in proportion to mass.");
   d.attribute("damping_stiffness", &T::damping_stiffness, "s", between(0, 1e6),
               "Viscosity: time by which stress goes with the rate of strain, bend and twist.");
+  d.attribute(
+      "strength", &T::strength, "N", between(0, 1e6),
+      "Tension at which the thread breaks, at the end of the step and for good, in the beam "
+      "with the largest; 0: never. Not together with 'sampling_angle'.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
               "Linearisations per time step: 1 is enough for most scenes, more follow fast large "
               "motion more closely.");
@@ -124,6 +129,8 @@ void SutureThread::describe(Describe<SutureThread>& d) {
            [](const T& t) { return t.largest_curvature(); });
   d.output("beams", "1", "Number of beams.",
            [](const T& t) { return static_cast<Real>(t.rod_.beams()); });
+  d.output("cuts", "1", "Number of beams that are cut or torn.",
+           [](const T& t) { return static_cast<Real>(t.rod_.cuts()); });
 }
 
 }  // namespace sutura::thread

@@ -3,6 +3,7 @@
 
 #include "forceps.h"
 #include "grasper.h"
+#include "scissors.h"
 #include "track.h"
 
 namespace {
@@ -10,6 +11,7 @@ void enrol_tools(sutura::Registry& registry) {
   registry.component<sutura::tools::Track>("Track");
   registry.component<sutura::tools::Grasper>("Grasper");
   registry.component<sutura::tools::Forceps>("Forceps");
+  registry.component<sutura::tools::Scissors>("Scissors");
 }
 }  // namespace
 

@@ -34,6 +34,17 @@ TEST(RestShape, PiecesFollowEachOther) {
   EXPECT_LT((shape.at({}, quarter + 0.005).position - Vec3(0.01, -0.015, 0)).norm(), 1e-14);
 }
 
+// Two curvatures across each other bend about the axis between them, and twist nothing: half a
+// circle ends across the plane in which it lies.
+TEST(RestShape, BendsToAnySideWithoutTwist) {
+  const Real k = 100, a = 0.7, half = std::numbers::pi / k;
+  const RestShape shape(std::vector<RestPiece>{{0, k * std::cos(a), 0, k * std::sin(a)}});
+  const Pose end = shape.at({}, half);
+  EXPECT_LT((end.position - 2 / k * Vec3(0, -std::cos(a), -std::sin(a))).norm(), 1e-14);
+  const Vec3 axis(0, std::sin(a), -std::cos(a));
+  EXPECT_LT((end.rotation * axis - axis).norm(), 1e-14);
+}
+
 class RestFile : public ::testing::Test {
  protected:
   std::vector<RestPiece> read(const std::string& text) {
@@ -53,6 +64,8 @@ TEST_F(RestFile, IsRead) {
   EXPECT_EQ(pieces[1].from, 0.02);
   EXPECT_EQ(pieces[1].curvature, 7);
   EXPECT_EQ(pieces[1].torsion, 1);
+  EXPECT_EQ(pieces[1].side_curvature, 0);
+  EXPECT_EQ(read("s, curvature, side_curvature [1/mm]\n0, 1, 2\n")[0].side_curvature, 2000);
 }
 
 TEST_F(RestFile, ThatIsMalformedIsRefusedWithItsLine) {

@@ -1,0 +1,102 @@
+#include "scissors.h"
+
+#include <algorithm>
+
+#include "key_frames.h"
+#include "sutura/archive.h"
+#include "sutura/geometry/poses.h"
+#include "sutura/scene.h"
+
+namespace sutura::tools {
+
+void Scissors::initialise(Setup& setup) {
+  if (!(axis_.norm() > 0)) {
+    setup.error(*this, "'axis' is zero; expected the direction in which the blades close");
+    return;
+  }
+  if (!std::is_sorted(times_.begin(), times_.end()))
+    setup.error(*this, "'times' must not decrease");
+  space_.half = size_ / 2;
+  const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
+  as_modelled_ = {centre_, (rotation_from_vector(rotation_) * laid).normalized()};
+  for (Component* c : setup.scene->components()) {
+    const Target target{dynamic_cast<SegmentedCurve*>(c), dynamic_cast<Cuttable*>(c)};
+    if (target.curve == nullptr || target.thread == nullptr) continue;
+    if (body_ && body_.get() != static_cast<const Body*>(target.curve)) continue;
+    if (const std::string why = target.thread->uncuttable(); !why.empty()) setup.error(*this, why);
+    targets_.push_back(target);
+  }
+  if (targets_.empty())
+    setup.error(*this, body_ ? "'body' cannot be cut; expected a thread"
+                             : "there is no thread that could be cut");
+}
+
+Pose Scissors::placed() const {
+  return track_ ? compose(track_->start_pose(), as_modelled_) : as_modelled_;
+}
+
+void Scissors::drive(const StepContext& context) {
+  const Real now = context.time + 1e-6 * context.dt;
+  const Index due = std::upper_bound(times_.begin(), times_.end(), now) - times_.begin();
+  if (due > closed_ || told_) cut();
+  closed_ = std::max(closed_, due);
+  told_ = false;
+}
+
+void Scissors::cut() {
+  const Pose frame = placed();
+  const Quat back = frame.rotation.conjugate();
+  std::vector<CurveSegment> seen;
+  std::vector<JawSpace::Stretch> stretches;
+  for (const Target& target : targets_) {
+    target.curve->segments(Configuration::current, seen);
+    for (CurveSegment& s : seen) {
+      s.xa = seen_from(frame, s.xa), s.xb = seen_from(frame, s.xb);
+      s.ma = back * s.ma, s.mb = back * s.mb;
+    }
+    space_.stretches(seen, stretches);
+    for (const JawSpace::Stretch& s : stretches) {
+      const Real middle = (s.low + s.high) / 2;
+      if (middle < target.curve->needle_length()) continue;
+      target.thread->cut(middle);
+      ++cuts_;
+    }
+  }
+}
+
+void Scissors::archive(Archive& a) {
+  a("closed", closed_);
+  a("told", told_);
+  a("cuts", cuts_);
+}
+
+void Scissors::describe(Describe<Scissors>& d) {
+  d.summary("Blades that close at stated times and cut the thread that is between them.");
+  d.theory(
+      "The space between the blades is a box, which goes with the track. Each strand of a thread "
+      "that passes through it when they close is cut in the middle of what is in the box: the beam "
+      "there bears nothing from then on, touches nothing and is not drawn, and half of its mass "
+      "stays with each of its ends. So the thread gets shorter by up to a beam on each side, and "
+      "stays one chain for the solver. It is cut for good. A needle is not cut, nor is a thread "
+      "that is sampled anew ('sampling_angle'). The blades themselves touch nothing.\n\n"
+      "What is inside of a tissue, led by a SuturePath, is not meant to be cut: the path goes on "
+      "as if the thread were whole.");
+  d.link("body", &Scissors::body_, "Only this is cut; left out: any thread.").named_only();
+  d.link("track", &Scissors::track_,
+         "The motion of the scissors; left out, where none is in reach: none.")
+      .optional();
+  d.attribute("centre", &Scissors::centre_, "m", between(-1e6, 1e6),
+              "Middle of the space between the blades, as modelled: before the track moves it.");
+  d.attribute("axis", &Scissors::axis_, "1", any(), "Direction in which the blades close.");
+  d.attribute("rotation", &Scissors::rotation_, "rad", between(-1e4, 1e4),
+              "Rotation vector about the centre, after the axis has been laid as said.");
+  d.attribute("size", &Scissors::size_, "m", between(1e-6, 1e3),
+              "Edges of the space between the blades: the third one along 'axis'.");
+  d.attribute("times", &Scissors::times_, "s", at_least(0), "Times at which the blades close.");
+  d.input("close", "1", between(0, 1), "1 closes the blades at the start of the next step.",
+          [](Scissors& s, Real close) { s.told_ = close > 0; });
+  d.output("cuts", "1", "Number of strands that they have cut.",
+           [](const Scissors& s) { return static_cast<Real>(s.cuts_); });
+}
+
+}  // namespace sutura::tools
