@@ -195,7 +195,7 @@ std::string SutureThread::coarse_bend() const {
   Index where = 0;
   for (Index e = 0; e < rod_.beams(); ++e) {
     if (rod_.is_cut(e)) continue;
-    const Vec3 a = tangent(rod_.poses()[e]), b = tangent(rod_.poses()[e + 1]);
+    const Vec3 a = thread::tangent(rod_.poses()[e]), b = thread::tangent(rod_.poses()[e + 1]);
     const Real bend = std::atan2(a.cross(b).norm(), a.dot(b));
     if (bend <= largest) continue;
     largest = bend;
