@@ -55,10 +55,12 @@ void Summary::count(std::map<std::string, Kind>& kinds, const std::vector<std::s
     std::string text = sentence;
     std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; });
     Kind& kind = kinds[text];
-    if (kind.steps++ == 0) {
+    if (kind.steps == 0) {
       kind.first = sentence;
       kind.first_step = step;
     }
+    if (kind.last_step != step) ++kind.steps;  // parts of a step may say the same
+    kind.last_step = step;
   }
 }
 

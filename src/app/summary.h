@@ -46,7 +46,7 @@ class Summary {
   /// Sentences that differ by their numbers only are of one kind.
   struct Kind {
     std::string first;  ///< as it was said first
-    Index steps = 0, first_step = 0;
+    Index steps = 0, first_step = 0, last_step = 0;
   };
   static void count(std::map<std::string, Kind>& kinds, const std::vector<std::string>& sentences,
                     Index step);

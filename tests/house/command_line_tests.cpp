@@ -162,6 +162,23 @@ TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
   EXPECT_NE(out.text.find("tetrahedra are turned inside out"), std::string::npos) << out.text;
 }
 
+// A thread that falls over its clamped beginning, in quarters of steps: each part of a step says
+// what the others say.
+TEST_F(CommandLine, ANoteOfADividedStepCountsOnce) {
+  const std::string file = scene(
+      "<sutura version='1' dt='20 ms' time_tolerance='0.13 mm' gravity='0 0 -9.81'>"
+      "<plugin name='thread'/><plugin name='tools'/>"
+      "<SutureThread needle_length='0' thread_length='100 mm' thread_beams='2' "
+      "thread_diameter='20 um' thread_young='2 GPa'/>"
+      "<Track times='0 0.1 s' centre='0 0 0' rotations='0 0 0  0 2.5 0 rad'/><Grasper at='0'/>"
+      "</sutura>");
+  const Outcome out = command("run " + file + " --steps 10" + output());
+  EXPECT_NE(out.text.find("steps divided"), std::string::npos) << out.text;
+  const std::size_t note = out.text.find("note in ");
+  ASSERT_NE(note, std::string::npos) << out.text;
+  EXPECT_LE(std::stoi(out.text.substr(note + 8)), 10) << out.text;
+}
+
 TEST_F(CommandLine, InterruptEndsTheStepAndClosesFiles) {
   const Outcome out = command("run " + probe + " --steps 1000000000" + output(),
                               "timeout --foreground --preserve-status --signal=INT 1 ");

@@ -79,10 +79,10 @@ std::string notes_of_a_fold(const std::string& sampling) {
   TextRun run("<SutureThread name=\"t\" needle_length=\"0\" thread_length=\"24 mm\" " + sampling +
               " thread_diameter=\"0.2 mm\" tip_direction=\"-1 0 0\" damping_mass=\"50 1/s\"/>"
               "<Track name=\"still\" times=\"0 s\" positions=\"0 0 0 mm\"/>"
-              "<Grasper at=\"0\" track=\"still\"/>"
+              "<Grasper name=\"a\" at=\"0\" track=\"still\"/>"
               "<Track name=\"end\" centre=\"24 0 0 mm\" times=\"0 0.5 s\" "
               "positions=\"0 0 0 -24 4 0 mm\" rotations=\"0 0 0 0 0 180 deg\" easing=\"smooth\"/>"
-              "<Grasper at=\"24 mm\" track=\"end\"/>");
+              "<Grasper name=\"b\" at=\"24 mm\" track=\"end\"/>");
   EXPECT_TRUE(run) << run.said();
   std::string notes;
   for (int n = 0; n < 100 && run; ++n)
