@@ -165,6 +165,10 @@ void Device::finish() const {
   check(clFinish(queue_), "waiting for it");
 }
 
+void Device::drain() const noexcept {
+  clFinish(queue_);
+}
+
 cl_program Device::build(const std::string& source, const std::string& options) const {
   const char* text = source.c_str();
   const std::size_t length = source.size();

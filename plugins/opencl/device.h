@@ -40,6 +40,9 @@ class Device {
   /// Throws DeviceError with the log of the compiler.
   cl_program build(const std::string& source, const std::string& options) const;
   void finish() const;
+  /// Like `finish`, for destructors: whoever lent the device memory, or has kernels on it, waits
+  /// before that goes. An error does not matter any more.
+  void drain() const noexcept;
   /// Throws DeviceError unless `code` is CL_SUCCESS. `what` was done, and to which.
   void check(cl_int code, const char* what, const std::string& which = {}) const;
   /// For tests: from now on every call fails as if the device had gone.

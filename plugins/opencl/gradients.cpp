@@ -58,7 +58,9 @@ Gradients::Gradients(const Device& device, Precision precision)
       status_(device),
       statuses_(device, 3 * sizeof(GradientStatus<double>)) {}
 
-Gradients::~Gradients() = default;
+Gradients::~Gradients() {
+  device_.drain();
+}
 
 template <class T>
 void Gradients::write_as(Buffer& to, const Real* from, std::size_t count) {
@@ -128,6 +130,7 @@ void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed)
     write_as<double>(values_, A.values, count);
   else
     write_as<float>(values_, A.values, count);
+  device_.finish();  // of the values: the matrix may go before anything is read
 }
 
 void Gradients::set_factor(const SupernodalFactor& factor) {
@@ -145,6 +148,7 @@ void Gradients::set_factor(const SupernodalFactor& factor) {
 
 void Gradients::set_turns(std::span<const Mat3> turns) {
   write_reals(turns_, turns.front().data(), 9 * turns.size());
+  device_.finish();
 }
 
 void Gradients::product() {

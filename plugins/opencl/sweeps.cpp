@@ -68,7 +68,9 @@ Sweeps::Sweeps(const Device& device, Precision precision, Index in_one_group)
       state_(device),
       modes_(device) {}
 
-Sweeps::~Sweeps() = default;
+Sweeps::~Sweeps() {
+  device_.drain();
+}
 
 Sweeps::Program& Sweeps::program() {
   const int lanes = blocks_ <= in_one_group_ ? lanes_for(blocks_) : lane_counts[0];
@@ -116,6 +118,7 @@ std::string Sweeps::load(const ConstraintProblem& problem) {
     load_numbers<double>(problem);
   else
     load_numbers<float>(problem);
+  device_.finish();  // of W: the problem may go before anything is read
   Program& p = program();
   p.pack(padded * static_cast<std::size_t>(blocks_), 64, blocks_, rows_, stride_, first_row_, dims_,
          raw_, W_);
