@@ -85,12 +85,11 @@ void curve_surface_jacobian(const Rod& rod, Real s, const Vec3& arm, PointJacobi
 namespace {
 
 /// A beam that is cut touches nothing: a point far from everything, and from others of its kind.
-CurveSegment nowhere(CurveSegment s) {
+void send_away(CurveSegment& s) {
   constexpr Real far = 1e6;  // m
   s.xa = s.xb = far * Vec3(1, 1 + s.from, 1 + s.to);
   s.ma = s.mb = Vec3::Zero();
   s.radius = 0;
-  return s;
 }
 
 }  // namespace
@@ -99,14 +98,15 @@ void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& 
   out.resize(static_cast<std::size_t>(rod.beams()));
   for (Index e = 0; e < rod.beams(); ++e) {
     const Cubic q = cubic(rod, e, c);
-    out[static_cast<std::size_t>(e)] = {.from = rod.abscissa()[e],
-                                        .to = rod.abscissa()[e + 1],
-                                        .xa = q.xa,
-                                        .ma = q.ma,
-                                        .xb = q.xb,
-                                        .mb = q.mb,
-                                        .radius = rod.section(e).radius};
-    if (rod.is_cut(e)) out[static_cast<std::size_t>(e)] = nowhere(out[static_cast<std::size_t>(e)]);
+    CurveSegment& s = out[static_cast<std::size_t>(e)];
+    s = {.from = rod.abscissa()[e],
+         .to = rod.abscissa()[e + 1],
+         .xa = q.xa,
+         .ma = q.ma,
+         .xb = q.xb,
+         .mb = q.mb,
+         .radius = rod.section(e).radius};
+    if (rod.is_cut(e)) send_away(s);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <string>
 
-#include "chain_motion.h"
 #include "sutura/archive.h"
 
 namespace sutura::thread {
@@ -187,21 +186,20 @@ std::string SutureThread::trouble() const {
   return coarse_bend();
 }
 
-/// A cubic has no shape for a beam that bends by more: it snaps from one to the next as the thread
-/// is drawn round a corner.
+/// A cubic has no shape for a beam whose ends turn further than that against its chord: it snaps
+/// from one to the next as the thread is drawn round a corner.
 std::string SutureThread::coarse_bend() const {
   constexpr Real most = 1;  // rad
-  Real largest = 0;
-  Index where = 0;
+  Real largest = most;
+  Index where = -1;
   for (Index e = 0; e < rod_.beams(); ++e) {
-    if (rod_.is_cut(e)) continue;
-    const Vec3 a = thread::tangent(rod_.poses()[e]), b = thread::tangent(rod_.poses()[e + 1]);
-    const Real bend = std::atan2(a.cross(b).norm(), a.dot(b));
-    if (bend <= largest) continue;
-    largest = bend;
+    const ElementState& s = step_.guess().beams[e];
+    const Real turn = s.theta_a.norm() + s.theta_b.norm();
+    if (rod_.is_cut(e) || !(turn > largest)) continue;
+    largest = turn;
     where = e;
   }
-  if (largest <= most) return {};
+  if (where < 0) return {};
   char text[160];
   std::snprintf(text, sizeof text,
                 "the beam at %.1f mm bends by %.1f rad: too long for that; more thread_beams, or "

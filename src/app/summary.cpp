@@ -31,6 +31,7 @@ void Summary::add(const StepReport& report) {
   if (!report.solved) {
     if (unsolved_++ == 0) first_unsolved_ = report.step;
     worst_violation_ = std::max(worst_violation_, report.violation);
+    worst_time_error_ = std::max(worst_time_error_, report.worst_time_error());
     for (const BodyReport& b : report.bodies) {
       if (b.imbalance.relative <= worst_imbalance_.relative) continue;
       worst_imbalance_ = b.imbalance;
@@ -105,7 +106,8 @@ std::string Summary::text(double wall_seconds) const {
            static_cast<long>(unsolved_), static_cast<long>(steps_),
            static_cast<long>(first_unsolved_), worst_imbalance_.relative, worst_imbalance_.force);
     out += worst_body_;
-    append(out, ", violation up to %.2g m\n", worst_violation_);
+    append(out, ", violation up to %.2g m, time error up to %.2g m\n", worst_violation_,
+           worst_time_error_);
   }
   const auto list = [&](const char* title, const std::map<std::string, Kind>& kinds) {
     for (const auto& [text, kind] : kinds) {

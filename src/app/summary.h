@@ -40,7 +40,7 @@ class Summary {
   Index first_unsolved_ = 0;
   std::string worst_body_;
   Imbalance worst_imbalance_;
-  Real worst_violation_ = 0;
+  Real worst_violation_ = 0, worst_time_error_ = 0;
   Index passes_ = 0, most_passes_ = 0, divided_ = 0, most_parts_ = 1;
   Index events_ = 0;
   /// Sentences that differ by their numbers only are of one kind.

@@ -106,9 +106,10 @@ bool Simulation::measure(const StepContext& context) {
   return good;
 }
 
-/// Whether the balanced guess is as near to the motion in continuous time as the scene asks.
+/// Whether the balanced guess is as near to the motion in continuous time as the scene asks. A part
+/// of a step may cost its share of what a step may.
 bool Simulation::is_short_enough(const StepContext& context) {
-  const Real most = scene_->limits.time_tolerance;
+  const Real most = scene_->limits.time_tolerance * context.dt / scene_->dt;
   return most == 0 || std::all_of(bodies_.begin(), bodies_.end(), [&](const NamedBody& b) {
            return ask(b.body).time_error(context) <= most;
          });

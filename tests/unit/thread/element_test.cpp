@@ -71,6 +71,13 @@ struct BentBeam {
   }
 };
 
+/// A stiffness over shifts in beam lengths, so that all of it is in N m.
+Mat12 in_radians(const Mat12& k, Real length) {
+  Eigen::Matrix<Real, 12, 1> scale;
+  scale << Vec3::Constant(length), Vec3::Ones(), Vec3::Constant(length), Vec3::Ones();
+  return scale.asDiagonal() * k * scale.asDiagonal();
+}
+
 struct Case {
   bool curved;
   Real angle, twist, stretch;
@@ -138,11 +145,7 @@ TEST_P(Element, StepStiffnessIsPositive) {
   evaluate(beam.rest, beam.a, beam.b, beam.twist, s);
   ElementMatrix k;
   step_stiffness(beam.rest, s, k);
-  Mat12 full = expand(k);
-  const Real L = beam.rest.length;
-  Eigen::Matrix<Real, 12, 1> scale;
-  scale << L, L, L, 1, 1, 1, L, L, L, 1, 1, 1;
-  full = (scale.asDiagonal() * full * scale.asDiagonal()).eval();
+  const Mat12 full = in_radians(expand(k), beam.rest.length);
   const Eigen::SelfAdjointEigenSolver<Mat12> eigen(full);
   EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-12 * eigen.eigenvalues().maxCoeff());
 }
@@ -161,10 +164,7 @@ TEST_P(Element, StepStiffnessHasAllOfTheStretch) {
   step_stiffness(beam.rest, s, k);
   Mat9 h;
   hessian(beam.rest, s, h);
-  const Real L = beam.rest.length;
-  Eigen::Matrix<Real, 12, 1> scale;
-  scale << L, L, L, 1, 1, 1, L, L, L, 1, 1, 1;
-  const Mat12 error = scale.asDiagonal() * (expand(k) - expand(h)) * scale.asDiagonal();
+  const Mat12 error = in_radians(expand(k) - expand(h), beam.rest.length);
   const Real twist = 1 + std::abs(c.twist), bend = 1 + c.angle;
   EXPECT_LT(error.norm(), 10 * bend * (beam.rest.bend_1 + twist * beam.rest.torsion));
 }
