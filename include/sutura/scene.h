@@ -35,7 +35,7 @@ struct StepLimits {
   Real tolerance = 1e-2;      ///< of the imbalance of every body, relative to the forces at work
   Real gap_tolerance = 1e-6;  ///< of the distance of every constraint from its law, m
   Real time_tolerance = 0;    ///< of what its length costs it (BodyReport::time_error), m; 0: any
-  Index passes = 12;          ///< before a step is divided
+  Index passes = 20;          ///< before a step is divided
   Index substeps = 16;        ///< into which a step may be divided, a power of 2; 1: never
 };
 

@@ -163,10 +163,9 @@ class FreeEnd : public Staple {
 
 // One row knows the line of the spring as it was at the guess. The end of a thread weighs next to
 // nothing: it swings far across that line before anything holds it, and the line turns with it.
-TEST_F(FreeEnd, ChattersOnOneRow) {
+TEST_F(FreeEnd, HardlyRestsOnOneRow) {
   const Arrival end = arrive("<OneRow stiffness='10'/>");
-  EXPECT_EQ(end.unsolved, 20);
-  EXPECT_GT(end.path, 1e-3);
+  EXPECT_GE(end.passes, 1000);
 }
 
 TEST_F(FreeEnd, RestsOnThree) {

@@ -209,8 +209,7 @@ Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
   return g;
 }
 
-void step_stiffness(const ElementRest& r, const ElementState& s, ElementMatrix& k) {
-  const Real n = std::max(s.tension, 0.);
+void step_stiffness(const ElementRest& r, const ElementState& s, Real n, ElementMatrix& k) {
   const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
 
   // How the directors move against the chord, which rolls as its ends do on the average:

@@ -76,9 +76,10 @@ Vec9 strain_gradient(const ElementRest& rest, const ElementState& state);
 struct ElementMatrix {
   Mat3 vv, va, vb, aa, ab, bb;
 };
-/// Positive semidefinite stiffness for the time step: material part, and the geometric part of
-/// tension; that of compression and of the moments is left out.
-void step_stiffness(const ElementRest& rest, const ElementState& state, ElementMatrix& k);
+/// Stiffness for the time step: the material part, and the geometric part of `tension` (N); that of
+/// the moments is left out. Positive semidefinite unless `tension` is negative.
+void step_stiffness(const ElementRest& rest, const ElementState& state, Real tension,
+                    ElementMatrix& k);
 
 /// The Hessian of U with respect to (v, spin_a, spin_b), rotations varied by the exponential map.
 void hessian(const ElementRest& rest, const ElementState& state, Mat9& k);

@@ -1,5 +1,7 @@
 #include "rod_tangent.h"
 
+#include <algorithm>
+
 namespace sutura::thread {
 
 namespace {
@@ -14,17 +16,19 @@ void blend(ElementMatrix& a, const ElementMatrix& b, Real share) {
 /// K of one beam, with the share that viscosity adds to it: to be multiplied by h (h + beta).
 void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Index e,
                Tangent tangent, ElementMatrix& k) {
-  const Real beta = start.damping.stiffness;
+  const Real beta = start.damping.stiffness, n = guess.tension[e];
+  const bool exact = tangent == Tangent::exact;
   ElementState s = guess.beams[e];
-  s.tension = guess.tension[e];
-  if (tangent == Tangent::exact)
+  if (exact) {
+    s.tension = n;
     hessian(rod.element(e), s, k);
-  else
-    step_stiffness(rod.element(e), s, k);
+  } else {
+    step_stiffness(rod.element(e), s, std::max(n, 0.), k);
+  }
   if (!(beta > 0)) return;
+  const Real change = n - rod.element(e).axial * start.deformation[e].strain;  // times beta/h
   ElementMatrix viscous;
-  s.tension -= rod.element(e).axial * start.deformation[e].strain;  // times beta/h
-  step_stiffness(rod.element(e), s, viscous);
+  step_stiffness(rod.element(e), s, exact ? change : std::max(change, 0.), viscous);
   blend(k, viscous, beta / (start.dt + beta));
 }
 

@@ -11,7 +11,8 @@ namespace sutura::thread {
 ///   exact: the Hessian of the energy, which may be indefinite.
 ///   convex: its positive semidefinite part (`step_stiffness` in element.h).
 /// Both take the predicted tension of the guess: stretch that a turn faked is not to stiffen a beam
-/// (docs/theory/thread.md). Viscosity is by the convex part of its own stiffness.
+/// (docs/theory/thread.md). Of viscosity, the geometric part of its
+/// moments is left out; that of its compression is in the exact one.
 enum class Tangent { exact, convex };
 
 void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,

@@ -91,7 +91,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     forget_passes();
     if (fired > 0) continue;
     if (!leave_saddles()) return true;
-    constexpr Index most_saddles = 4;
+    constexpr Index most_saddles = 16;
     if (++saddles > most_saddles) break;
     most += scene_->limits.passes;
     build(context, timer);

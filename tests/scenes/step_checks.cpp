@@ -1,5 +1,6 @@
 #include "step_checks.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -147,9 +148,9 @@ ForceTolerance::ForceTolerance(const ConstraintProblem& solved, Real length) : l
   compliance.prepare(solved);
   for (std::size_t i = 0; i < solved.blocks.size(); ++i) {
     const int dim = solved.blocks[i].law->dim;
-    Real least = INFINITY;
-    for (int k = 0; k < dim; ++k) least = std::min(least, compliance[i][k * (dim + 1)]);
-    softness_[solved.blocks[i].key] = least;
+    const Eigen::Map<const MatX> W(compliance[i], dim, dim);
+    softness_[solved.blocks[i].key] =
+        Eigen::SelfAdjointEigenSolver<MatX>(W, Eigen::EigenvaluesOnly).eigenvalues()[0];
   }
 }
 

@@ -37,7 +37,7 @@ class ForceTolerance {
 
  private:
   Real length_;
-  std::map<Key, Real> softness_;  ///< least compliance of the block's own rows, m/N
+  std::map<Key, Real> softness_;  ///< least compliance in any direction, m/N
 };
 
 /// The largest amount by which a force lies outside the set that its law admits, over the blocks,
