@@ -146,9 +146,8 @@ TEST(Viscosity, HasItsCompressionInTheMatrix) {
     const VecX step = 1e-5 * scale[j] * VecX::Unit(rod.dofs(), j);
     slope.col(j) = start.dt * (moved(motion - step) - moved(motion + step)) / (2e-5 * scale[j]);
   }
-  const MatX error = scale.asDiagonal() * MatX((slope + slope.transpose()) / 2) *
-                         scale.asDiagonal() -
-                     scaled;
+  const MatX error =
+      scale.asDiagonal() * MatX((slope + slope.transpose()) / 2) * scale.asDiagonal() - scaled;
   // Across the chord the compression of viscosity alone is 1e-2 of the largest entry; central
   // differences leave 1e-9.
   EXPECT_LT(error.norm(), 1e-6 * scaled.norm());
