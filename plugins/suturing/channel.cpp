@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "sutura/archive.h"
 
@@ -216,6 +217,61 @@ void Channel::record() {
     const Real s = depth - next;
     push(embed(thread_.point(s, Configuration::current)), next, s, PathSample::Kind::inner);
   }
+}
+
+Real Channel::cut_to(std::size_t i, const Vec3& point) {
+  constexpr Configuration now = Configuration::current;
+  PathSample& s = samples_[i];
+  std::optional<EmbeddedPoint> to;
+  if (s.kind != PathSample::Kind::inner) {  // a mouth stays on the surface, as long as it reaches
+    if (const auto foot = tissue_.closest_surface(point, thread_.radius(0), now)) to = foot->at;
+  }
+  if (!to) to = tissue_.locate(point, now);
+  s.cut_out = !to;
+  const Vec3 from = tissue_.position(s.at, now);
+  if (to) s.at = *to;
+  return ((to ? tissue_.position(s.at, now) : point) - from).norm();
+}
+
+void Channel::drop_cut_out() {
+  const auto is_out = [](const PathSample& s) { return s.cut_out; };
+  if (std::none_of(samples_.begin(), samples_.end(), is_out)) return;
+  const bool was_open = tip_inside();
+  std::vector<PathSample> rest;
+  rest.reserve(samples_.capacity());
+  bool is_open = false;
+  for (std::size_t i = 0; i < passed_;) {
+    // A run of samples of one bite, none of them cut out.
+    std::size_t end = i;
+    bool has_inner = false;
+    for (; end < passed_ && !samples_[end].cut_out; ++end) {
+      if (end > i && samples_[end].kind == PathSample::Kind::entry) break;
+      has_inner = has_inner || samples_[end].kind == PathSample::Kind::inner;
+    }
+    if (end == i) {
+      ++i;
+      continue;
+    }
+    PathSample &first = samples_[i], &last = samples_[end - 1];
+    const bool from_mouth = first.kind == PathSample::Kind::entry;
+    const bool to_mouth = last.kind == PathSample::Kind::exit;
+    const bool to_tip = end == passed_ && !to_mouth;
+    const bool whole = from_mouth && (to_mouth || to_tip);
+    if (whole || (has_inner && end - i > 1)) {
+      first.kind = PathSample::Kind::entry;
+      if (!to_tip) last.kind = PathSample::Kind::exit;
+      rest.insert(rest.end(), &first, &last + 1);
+      is_open = to_tip;
+    }
+    i = end;
+  }
+  const std::size_t passed = rest.size();
+  // What a retracting tip has left goes on from the open bite.
+  if (is_open == was_open)
+    rest.insert(rest.end(), samples_.begin() + static_cast<std::ptrdiff_t>(passed_),
+                samples_.end());
+  samples_.swap(rest);
+  passed_ = passed;
 }
 
 void Channel::archive(Archive& a) {

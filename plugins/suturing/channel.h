@@ -22,6 +22,7 @@ struct PathSample {
   Real slip = 0;  ///< change of the abscissa over the last step (m): positive when the tip advances
   Real lateral_force = 0;  ///< across the thread in the last step (N)
   enum class Kind { entry, inner, exit } kind = Kind::inner;
+  bool cut_out = false;  ///< until drop_cut_out
 };
 
 /// Samples are kept in the order of passage: all before `passed` are on the thread, those after it
@@ -64,6 +65,14 @@ class Channel {
   /// The tip has just left the tissue where it pressed.
   void leave(const EmbeddedPoint& pressed);
   PathSample& sample(std::size_t i) { return samples_[i]; }
+  /// The thread has cut sideways through the tissue, so that sample i of the channel, or its end,
+  /// is at `point` now. Returns how far it has moved (m): a mouth at an edge of the tissue stays
+  /// there until the thread is past it.
+  Real cut_to(std::size_t i, const Vec3& point);
+  void cut_end_to(const Vec3& point) { end_ = embed(point); }
+  /// What has been cut out of the tissue is on the thread no more. A bite that is cut open in its
+  /// middle becomes two; one of which nothing but a mouth is left is gone.
+  void drop_cut_out();
   /// The sample with this id if it is on the thread, or null.
   const PathSample* find(std::uint64_t id) const;
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end

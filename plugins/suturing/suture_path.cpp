@@ -1,6 +1,7 @@
 #include "suture_path.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
@@ -28,7 +29,10 @@ void SuturePath::describe(Describe<SuturePath>& d) {
       "path at the present guess of the\n"
       "end of the step. Two rows hold delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N "
       "normal "
-      "to the thread there (paper, section 4.4).");
+      "to the thread there (paper, section 4.4).\n"
+      "With a `strength` the force of a sample is at most that times the length l it stands for. "
+      "There the thread cuts on: P_j goes along with it, and takes strength times l times its way "
+      "of work. The elements stay as they are: the cut is one of the channel, not of the mesh.");
   d.link("thread", &SuturePath::thread_, "Needle and thread.");
   d.link("tissue", &SuturePath::tissue_, "What they pass through.");
   d.attribute("spacing", &SuturePath::spacing_, "m", between(1e-6, 1e3),
@@ -37,6 +41,10 @@ void SuturePath::describe(Describe<SuturePath>& d) {
               "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples "
               "closer than the elements say "
               "the same thing several times; without any give their forces would have no bound.");
+  d.attribute(
+      "strength", &SuturePath::strength_, "N/m", above(0),
+      "Load across the thread, per length of channel, at which it cuts sideways through the "
+      "tissue; left out, it never does.");
   d.output(
       "inserted_length", "m", "Length of needle and thread inside the tissue.",
       [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
@@ -58,6 +66,8 @@ void SuturePath::describe(Describe<SuturePath>& d) {
            [](const SuturePath& p) { return p.lateral_force_; });
   d.output("lateral_gap", "m", "Largest distance between the thread and its channel.",
            [](const SuturePath& p) { return p.lateral_gap_; });
+  d.output("cut", "m^2", "Area that the thread has cut sideways through the tissue.",
+           [](const SuturePath& p) { return p.cut_; });
 }
 
 void SuturePath::initialise(Setup& setup) {
@@ -78,6 +88,7 @@ void SuturePath::archive(Archive& a) {
   channel_->archive(a);
   a("lateral_force", lateral_force_);
   a("lateral_gap", lateral_gap_);
+  a("cut", cut_);
 }
 
 Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low) const {
@@ -129,14 +140,16 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     // already.
     if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < too_close * spacing_)
       continue;
-    const Real length = is_end ? spacing_ : c.share.high - c.share.low;
-    const Real compliance = wall_compliance_ / std::max(length, shortest * spacing_);
+    const Real length =
+        is_end ? spacing_ : std::max(c.share.high - c.share.low, shortest * spacing_);
     const BlockId block = builder.add<Bilateral<2>>(
-        make_key(source_id_, c.id), {.compliance = compliance}, BlockVector<2>(c.gap.tail<2>()));
+        make_key(source_id_, c.id),
+        {.compliance = wall_compliance_ / length, .cap = strength_ * length},
+        BlockVector<2>(c.gap.tail<2>()));
     const Directions across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
-    blocks_.push_back({block, i});
+    blocks_.push_back({block, i, length});
   }
 }
 
@@ -160,6 +173,22 @@ std::string SuturePath::fault() const {
   return lateral_gap_ > far ? "the thread has left its channel" : "";
 }
 
+/// Where the wall is at its limit, the channel goes along with the thread.
+void SuturePath::cut(const SolvedBlocks& solved) {
+  for (const LateralBlock& b : blocks_) {
+    if (solved.mode(b.block) != Bilateral<2>::capped) continue;
+    const Crossing& c = crossings_[b.crossing];
+    const BlockVector<2> force = solved.lambda(b.block);
+    const BlockVector<2> way = c.gap.tail<2>() + wall_compliance_ / b.length * force;
+    const Vec3 to = c.position + c.axes.bottomRows<2>().transpose() * way;
+    if (b.crossing < sample_crossings_)
+      cut_ += channel_->cut_to(c.sample, to) * b.length;
+    else
+      channel_->cut_end_to(to);
+  }
+  channel_->drop_cut_out();
+}
+
 void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   lateral_force_ = 0;
   for (const LateralBlock& b : blocks_) {
@@ -169,6 +198,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
       channel_->sample(crossings_[b.crossing].sample).lateral_force = force;
     }
   }
+  if (std::isfinite(strength_)) cut(solved);
   channel_->update(tip_blocked_);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {

@@ -2,6 +2,7 @@
 // section 4.4).
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -64,6 +65,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Link<SolidBody> tissue_;
   Real spacing_ = 1e-3;
   Real wall_compliance_ = 1e-7;
+  Real strength_ = std::numeric_limits<Real>::infinity();  ///< N/m
   Index source_id_ = 0;
   std::optional<Channel> channel_;
   std::vector<Crossing>
@@ -72,11 +74,14 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   struct LateralBlock {
     BlockId block;
     std::size_t crossing;
+    Real length;  ///< of channel that it stands for (m)
   };
+  void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;
   bool tip_blocked_ = false;
   Real lateral_force_ = 0;  ///< largest over the samples (N)
   Real lateral_gap_ = 0;    ///< largest distance thread - channel (m)
+  Real cut_ = 0;            ///< area that the thread has cut through (m^2)
 };
 
 }  // namespace sutura::suturing

@@ -67,8 +67,8 @@ class State : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(State, RestoredAtAnyStepGoesOnToTheBit) {
   constexpr Index on = 8;  // steps after which the bytes are compared: twice around the lag
-  // Minutes each, with nothing late in them that other stitches and knots do not have: a few of their
-  // first steps only.
+  // Minutes each, with nothing late in them that other stitches and knots do not have: a few of
+  // their first steps only.
   bool is_long = false;
   for (const char* long_one : {"three_bites", "two_threads", "tensioned_thread", "wound", "slip"})
     is_long = is_long || GetParam().find(long_one) != std::string::npos;

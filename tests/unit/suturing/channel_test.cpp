@@ -143,5 +143,85 @@ TEST_F(ChannelTest, PullingTheTipBackThroughTheExitIsInsideAgain) {
   EXPECT_NEAR(channel.inserted_length(), 18 * mm, 1e-12);
 }
 
+/// The thread is at (sideways, 0) in a slab that ends at x = 2 mm.
+class CutOutOfChannel : public ChannelTest {
+ protected:
+  CutOutOfChannel() {
+    slab.side = 2 * mm;
+    needle.now_ = 0.1 * mm;
+    channel.enter(top());
+  }
+  void through() {
+    move_to(19.6 * mm);
+    move_to(20.05 * mm);
+    channel.leave(bottom());
+  }
+  void cut(std::size_t i, Real x) {
+    const Real depth = channel.samples()[i].depth;
+    channel.cut_to(i, Vec3(x, 0, -depth));
+  }
+  std::vector<PathSample::Kind> kinds() const {
+    std::vector<PathSample::Kind> out;
+    for (std::size_t i = 0; i < channel.passed(); ++i) out.push_back(channel.samples()[i].kind);
+    return out;
+  }
+};
+using Kind = PathSample::Kind;
+
+TEST_F(CutOutOfChannel, WhatIsStillInsideHasMoved) {
+  through();
+  const std::size_t count = channel.passed();
+  for (std::size_t i = 0; i < count; ++i) cut(i, 1.5 * mm);
+  channel.drop_cut_out();
+  ASSERT_EQ(channel.passed(), count);
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_NEAR(slab.position(channel.samples()[i].at, Configuration::current).x(), 1.5 * mm,
+                1e-15);
+  EXPECT_EQ(kinds().front(), Kind::entry);
+  EXPECT_EQ(kinds().back(), Kind::exit);
+}
+
+TEST_F(CutOutOfChannel, InItsMiddleTheBiteBecomesTwo) {
+  through();
+  for (std::size_t i = 5; i < 15; ++i) cut(i, 2.5 * mm);
+  channel.drop_cut_out();
+  std::vector<Kind> expected(11, Kind::inner);
+  expected[0] = expected[5] = Kind::entry;
+  expected[4] = expected[10] = Kind::exit;
+  EXPECT_EQ(kinds(), expected);
+  // From the top to 4 mm and from 15 mm to the bottom.
+  EXPECT_NEAR(channel.inserted_length(), 9 * mm, 1e-12);
+}
+
+TEST_F(CutOutOfChannel, WithoutAnythingButMouthsItIsGone) {
+  through();
+  for (std::size_t i = 1; i + 1 < channel.passed(); ++i) cut(i, 2.5 * mm);
+  channel.drop_cut_out();
+  EXPECT_EQ(channel.passed(), 0u);
+  EXPECT_EQ(channel.inserted_length(), 0);
+  EXPECT_FALSE(channel.tip_inside());
+}
+
+TEST_F(CutOutOfChannel, ATipWhoseBiteIsStillThereGoesOn) {
+  move_to(8.4 * mm);
+  cut(3, 2.5 * mm);
+  channel.drop_cut_out();
+  EXPECT_TRUE(channel.tip_inside());
+  EXPECT_TRUE(channel.tip_at_end());
+  EXPECT_NEAR(channel.inserted_length(), (2 + 4.4) * mm, 1e-12);
+  move_to(10.4 * mm);
+  EXPECT_NEAR(channel.inserted_length(), (2 + 6.4) * mm, 1e-12);
+}
+
+TEST_F(CutOutOfChannel, ATipWhoseBiteIsGoneIsOutside) {
+  move_to(8.4 * mm);
+  move_to(5.4 * mm);  // leaves samples that are remembered
+  for (std::size_t i = 2; i < channel.passed(); ++i) cut(i, 2.5 * mm);
+  channel.drop_cut_out();
+  EXPECT_EQ(kinds(), (std::vector<Kind>{Kind::entry, Kind::exit}));
+  EXPECT_FALSE(channel.tip_inside());
+  EXPECT_EQ(channel.samples().size(), 2u);
+}
+
 }  // namespace
 }  // namespace sutura::testing

@@ -81,10 +81,10 @@ struct RigidNeedle : Component, CurveBody {
   Wrench hold_wrench(Index) const override { return {}; }
 };
 
-/// Top at z = 0, as deep as `thickness`, wide without end; every point moves with one node on a
-/// spring.
+/// Top at z = 0, as deep as `thickness`, wide without end or up to x = `side`; every point moves
+/// with one node on a spring.
 struct SpringSlab : Component, SolidBody {
-  Real stiffness = 300, mass_ = 1e-6, thickness = 1;
+  Real stiffness = 300, mass_ = 1e-6, thickness = 1, side = INFINITY;
   std::vector<Real> youngs;  ///< per region, Pa; none: not known
   std::vector<Real> layers;  ///< depths at which the region number grows by one, from region 1
   Vec3 u_ = Vec3::Zero(), v_ = Vec3::Zero(), start_u_ = Vec3::Zero(), start_v_ = Vec3::Zero();
@@ -153,7 +153,7 @@ struct SpringSlab : Component, SolidBody {
   }
   std::optional<EmbeddedPoint> locate(const Vec3& p, Configuration c) const override {
     const Vec3 m = p - shift(c);
-    if (m.z() > 0 || m.z() < -thickness) return std::nullopt;
+    if (m.z() > 0 || m.z() < -thickness || m.x() > side) return std::nullopt;
     return embedded(m);
   }
   SurfacePoint face(const Vec3& p, bool top, Configuration c) const {
