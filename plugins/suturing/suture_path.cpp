@@ -1,7 +1,7 @@
 #include "suture_path.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
@@ -41,10 +41,9 @@ void SuturePath::describe(Describe<SuturePath>& d) {
               "Gap that opens per lateral load on a length of channel, (m) per (N/m). Samples "
               "closer than the elements say "
               "the same thing several times; without any give their forces would have no bound.");
-  d.attribute(
-      "strength", &SuturePath::strength_, "N/m", above(0),
-      "Load across the thread, per length of channel, at which it cuts sideways through the "
-      "tissue; left out, it never does.");
+  d.attribute("strength", &SuturePath::strength_, "N/m", between(0, 1e9),
+              "Load across the thread, per length of channel, at which it cuts sideways through "
+              "the tissue; 0: it never does.");
   d.output(
       "inserted_length", "m", "Length of needle and thread inside the tissue.",
       [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
@@ -131,6 +130,7 @@ void SuturePath::detect(const StepContext&) {
 
 void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
+  const Real strength = strength_ > 0 ? strength_ : std::numeric_limits<Real>::infinity();
   const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked_;
   for (std::size_t i = 0; i < crossings_.size(); ++i) {
     const Crossing& c = crossings_[i];
@@ -144,7 +144,7 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
         is_end ? spacing_ : std::max(c.share.high - c.share.low, shortest * spacing_);
     const BlockId block = builder.add<Bilateral<2>>(
         make_key(source_id_, c.id),
-        {.compliance = wall_compliance_ / length, .cap = strength_ * length},
+        {.compliance = wall_compliance_ / length, .cap = strength * length},
         BlockVector<2>(c.gap.tail<2>()));
     const Directions across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
@@ -198,7 +198,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
       channel_->sample(crossings_[b.crossing].sample).lateral_force = force;
     }
   }
-  if (std::isfinite(strength_)) cut(solved);
+  if (strength_ > 0) cut(solved);
   channel_->update(tip_blocked_);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {

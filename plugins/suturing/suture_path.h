@@ -2,7 +2,6 @@
 // section 4.4).
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -65,7 +64,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Link<SolidBody> tissue_;
   Real spacing_ = 1e-3;
   Real wall_compliance_ = 1e-7;
-  Real strength_ = std::numeric_limits<Real>::infinity();  ///< N/m
+  Real strength_ = 0;  ///< N/m; 0: without limit
   Index source_id_ = 0;
   std::optional<Channel> channel_;
   std::vector<Crossing>
