@@ -165,7 +165,7 @@ TEST_P(Knot, LinksOfCrossedStrandsNeverChange) {
   for (int i = 0; i < runs(); ++i) {
     std::mt19937 random(static_cast<unsigned>(1000 * std::atoi(GetParam()) + 500000 + i));
     std::mt19937 same = random;
-    const std::string friction = std::to_string(0.05 * i);
+    const std::string friction = std::to_string(0.05 * (i % 11));
     TextRun world(crossed(random, "<Contact first='a' second='b' friction='" + friction + "'/>"),
                   settings());
     ASSERT_TRUE(world) << world.said();
