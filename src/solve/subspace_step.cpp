@@ -39,6 +39,33 @@ Index SubspaceStep::gather(const ConstraintProblem& problem, Compliance& complia
   return static_cast<Index>(now_.directions.size());
 }
 
+std::size_t SubspaceStep::change_states(const ConstraintProblem& problem, Compliance& compliance,
+                                        const GrowingVec& lambda_plus, std::size_t most) {
+  const auto is_other = [&](std::size_t i) { return problem.blocks[i].mode != states_[i]; };
+  changing_.clear();
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    if (is_other(i))
+      changing_.push_back(i);
+    else
+      take_tangent(problem, compliance, lambda_plus, i);
+  }
+  const std::size_t count = changing_.size();
+  if (most < count) {
+    const auto first_kept = changing_.begin() + static_cast<std::ptrdiff_t>(most);
+    std::nth_element(changing_.begin(), first_kept, changing_.end(),
+                     [&](std::size_t a, std::size_t b) {
+                       return block_residual_[a] > block_residual_[b] ||
+                              (block_residual_[a] == block_residual_[b] && a < b);
+                     });
+    changing_.erase(first_kept, changing_.end());
+  }
+  for (const std::size_t i : changing_) {
+    take_tangent(problem, compliance, lambda_plus, i);
+    states_[i] = problem.blocks[i].mode;
+  }
+  return count;
+}
+
 void SubspaceStep::collect(const ConstraintProblem& problem) {
   now_.entries.clear();
   now_.directions.clear();
@@ -171,17 +198,28 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
 Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                               Real tolerance, GrowingVec& lambda_plus, SolveReport& report,
                               bool may_walk) {
-  constexpr int most_steps = 12;
+  constexpr int patience = 12;  // steps without fewer blocks in the wrong state
   const GrowingVec& start = start_lambda_ = problem.lambda;
   best_ = residual;
   best_lambda_ = problem.lambda;
-  for (int step = 0; step < most_steps && residual.value > tolerance; ++step) {
-    gather(problem, compliance, lambda_plus);
+  gather(problem, compliance, lambda_plus);
+  states_.clear();
+  for (const ConstraintBlock& b : problem.blocks) states_.push_back(b.mode);
+  std::size_t fewest = problem.blocks.size(), most = fewest;
+  for (int idle = 0; idle < patience && residual.value > tolerance; ++idle) {
     if (!solve(problem, compliance, report)) break;
     ++report.direct_solves;
-    residual = natural_map(problem, compliance, lambda_plus);
+    residual = natural_map(problem, compliance, lambda_plus, &block_residual_);
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
+    const std::size_t wrong = change_states(problem, compliance, lambda_plus, most);
+    collect(problem);
+    if (wrong < fewest) {
+      fewest = wrong;
+      idle = 0;
+    } else {
+      most = std::max(std::min(most, wrong) / 2, std::size_t{1});
+    }
   }
   if (may_walk && best_.value > tolerance) {
     problem.lambda = start;
