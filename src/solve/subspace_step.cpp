@@ -198,7 +198,7 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
 Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                               Real tolerance, GrowingVec& lambda_plus, SolveReport& report,
                               bool may_walk) {
-  constexpr int patience = 12;  // steps without fewer blocks in the wrong state
+  constexpr int patience = 40;  // steps without fewer blocks in the wrong state
   const GrowingVec& start = start_lambda_ = problem.lambda;
   best_ = residual;
   best_lambda_ = problem.lambda;
@@ -218,7 +218,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance
       fewest = wrong;
       idle = 0;
     } else {
-      most = std::max(std::min(most, wrong) / 2, std::size_t{1});
+      most = std::max(std::min(most, wrong) * 2 / 3, std::size_t{1});
     }
   }
   if (may_walk && best_.value > tolerance) {

@@ -25,12 +25,12 @@ class SubspaceStep {
   Index gather(const ConstraintProblem& problem, Compliance& compliance,
                const GrowingVec& lambda_plus);
 
-  /// Newton over the tangents: blocks take new ones after each solve. While fewer and fewer are in
-  /// the wrong state, all of them; this is fast but may cycle, so whenever it were not fewer half as
-  /// many may change, those with the largest residual (block pivoting: Judice and Pires 1994). If
-  /// that does not end either and `may_walk`, a slower walk from where it started. Leaves the best
-  /// point met. lambda must be admissible for every law (as it is after a sweep); `residual` and
-  /// lambda_plus are those of natural_map before and after.
+  /// Newton over the tangents: blocks take new ones after each solve. All of them may change their
+  /// state at first. That is fast but may cycle: whenever no fewer are in the wrong state than
+  /// before, only two thirds as many may change, those with the largest residual (block pivoting:
+  /// Judice and Pires 1994). If that does not end either and `may_walk`, a slower walk from where
+  /// it started. Leaves the best point met. lambda must be admissible for every law (as it is after
+  /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                   Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 
@@ -55,8 +55,8 @@ class SubspaceStep {
 
   void take_tangent(const ConstraintProblem& problem, Compliance& compliance,
                     const GrowingVec& lambda_plus, std::size_t block);
-  /// New tangents at lambda_plus, for blocks whose state is that of their tangent and for the `most`
-  /// of the others whose residual is largest. Returns how many others there are.
+  /// New tangents at lambda_plus, for blocks whose state is that of their tangent and for the
+  /// `most` of the others whose residual is largest. Returns how many others there are.
   std::size_t change_states(const ConstraintProblem& problem, Compliance& compliance,
                             const GrowingVec& lambda_plus, std::size_t most);
   void collect(const ConstraintProblem& problem);

@@ -42,7 +42,8 @@ bool run(const std::string& settings, const std::string& content,
 /// A helix of `beams` at rest whose turns are `gap` thread diameters apart, centre to centre.
 std::string helix(int beams, double gap, const std::string& contact) {
   const double diameter = 0.2e-3, radius = 3e-3;  // m
-  const double rise = gap * diameter / (2 * std::numbers::pi), square = radius * radius + rise * rise;
+  const double rise = gap * diameter / (2 * std::numbers::pi),
+               square = radius * radius + rise * rise;
   const auto number = [](double x) {
     char text[32];
     std::snprintf(text, sizeof text, "%.17g", x);
@@ -110,8 +111,8 @@ bool landing(const std::filesystem::path& folder) {
                  solve = 1e3 * of_stage(r, Stage::solve), detect = 1e3 * of_stage(r, Stage::detect);
     all.push_back(ms);
     csv << r.time << ',' << ms << ',' << W << ',' << solve << ',' << detect << ',' << r.rows << ','
-        << r.passes << ',' << r.parts << ',' << r.solve.sweeps << ',' << r.solve.direct_solves << ','
-        << r.solved << '\n';
+        << r.passes << ',' << r.parts << ',' << r.solve.sweeps << ',' << r.solve.direct_solves
+        << ',' << r.solved << '\n';
     if (all.size() <= 12 || all.size() % 20 == 0)
       std::printf("%-8.3g %10.2f %10.2f %10.2f %10.2f %5td %6td %6td %6td\n", r.time, ms, W, solve,
                   detect, r.rows, r.passes, r.solve.sweeps, r.solve.direct_solves);
