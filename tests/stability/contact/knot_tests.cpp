@@ -194,6 +194,19 @@ TEST_P(Knot, IsPulledTight) {
   EXPECT_GT(distance_, -0.01e-3);  // a twentieth of the thickness may stay between two touches
 }
 
+// Likewise while the node in its middle is held where it is: the knot closes round it. The hands go
+// less far, as the thread is taut between them and the middle at 15 mm.
+TEST_P(Knot, ClosesRoundAHeldNode) {
+  const LaidOut laid = lay_out(true, scale, end);
+  substeps_ = "16";
+  const std::string held =
+      "<Track name='rest' times='0'/><Grasper name='middle' body='a' track='rest' at='" +
+      std::to_string(laid.length / 2) + "'/>";
+  run(thread(laid, "") + held, 13e-3, 0.4, "friction='0.1'", 0.4, trefoil, 0);
+  EXPECT_LT(distance_, 0);
+  EXPECT_GT(distance_, -0.01e-3);  // as above
+}
+
 INSTANTIATE_TEST_SUITE_P(AtAnyStep, Knot,
                          ::testing::Values("1 ms", "5 ms", "10 ms", "20 ms", "50 ms"));
 
