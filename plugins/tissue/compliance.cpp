@@ -101,19 +101,23 @@ class SolvedNodes {
   std::size_t unknowns() const { return 3 * nodes_.size(); }
   NodeCompliance compliance(TissueSolver& solver) {
     const std::size_t count = unknowns();
-    C_.resize(static_cast<Index>(count), static_cast<Index>(count));
+    // Grow only: a larger one serves fewer nodes without asking for memory.
+    if (C_.rows() < static_cast<Index>(count))
+      C_.setZero(static_cast<Index>(count), static_cast<Index>(count));
+    columns_.resize(3 * solver.nodes(), chunk);
     for (std::size_t first = 0; first < count; first += chunk) {
-      const auto width = static_cast<Index>(std::min(chunk, count - first));
-      columns_.setZero(3 * solver.nodes(), width);
-      for (Index j = 0; j < width; ++j) {
-        const std::size_t unknown = first + at(j);
-        columns_(3 * nodes_[unknown / 3] + static_cast<Index>(unknown % 3), j) = 1;
+      const std::size_t width = std::min(chunk, count - first);
+      auto block = columns_.leftCols(static_cast<Index>(width));
+      block.setZero();
+      for (std::size_t j = 0; j < width; ++j) {
+        const std::size_t unknown = first + j;
+        block(3 * nodes_[unknown / 3] + static_cast<Index>(unknown % 3), static_cast<Index>(j)) = 1;
       }
-      solver.solve_as_compliance(columns_);
-      for (Index j = 0; j < width; ++j)
+      solver.solve_as_compliance(block);
+      for (std::size_t j = 0; j < width; ++j)
         for (std::size_t i = 0; i < nodes_.size(); ++i)
-          C_.col(static_cast<Index>(first) + j).segment<3>(static_cast<Index>(3 * i)) =
-              columns_.col(j).segment<3>(3 * nodes_[i]);
+          C_.col(static_cast<Index>(first + j)).segment<3>(static_cast<Index>(3 * i)) =
+              block.col(static_cast<Index>(j)).segment<3>(3 * nodes_[i]);
     }
     return {&C_, number_, {}};
   }
