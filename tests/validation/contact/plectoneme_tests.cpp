@@ -1,5 +1,5 @@
 // Twist is put into a thread that is held at both ends until it winds about itself, and taken out
-// again: scenes/contact/plectoneme.xml.
+// again: scenes/knots/plectoneme.xml.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ int crossings_until(Real until, TextRun& run) {
 }
 
 TEST(Plectoneme, WindsUpAndComesBack) {
-  TextRun run = TextRun::file("contact/plectoneme.xml", {{"/itself.friction", "0"}});
+  TextRun run = TextRun::file("knots/plectoneme.xml", {{"/itself.friction", "0"}});
   ASSERT_TRUE(run) << run.said();
   const auto& thread = run.component<SegmentedCurve>("/suture");
   EXPECT_EQ(crossings_until(laid, run), 0);
