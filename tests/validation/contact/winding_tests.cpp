@@ -30,7 +30,7 @@ TEST(Winding, ThreeTurnsAreLaidOnABarAndTakenOff) {
   constexpr Real bar = 3e-3, r = 0.1e-3;  // m, radii
   Line before = line_of(thread, 4);
   Real most = 0, touches = 0;
-  while (run.simulation().time() < 4 - 1e-9) {
+  while (run.simulation().time() < 4 - 1e-9) {  // the scene ends at 3.6 s, as it comes off
     const StepReport& report = run.simulation().step();
     EXPECT_TRUE(report.solved) << report.time;
     const Line now = line_of(thread, 4);
