@@ -15,11 +15,12 @@ std::size_t at(Index i) {
   return static_cast<std::size_t>(i);
 }
 
+constexpr std::size_t chunk = 16;  // several right-hand sides share the pass over the factor
+
 /// The columns A^-1 H^T of the rows listed in `outside`, and what they add to W.
 void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vector<Index>& outside,
                      const std::vector<char>& is_outside, Index dofs, Real dt, Eigen::Ref<MatX> W) {
-  constexpr std::size_t chunk = 16;  // several right-hand sides share the pass over the factor
-  thread_local MatX columns;         // keeps its memory from step to step
+  thread_local MatX columns;  // keeps its memory from step to step
   columns.resize(dofs, chunk);
   for (std::size_t first = 0; first < outside.size(); first += chunk) {
     const std::size_t count = std::min(chunk, outside.size() - first);
@@ -84,6 +85,47 @@ void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
     }
   }
 }
+
+/// The nodes that rows touch, as candidates for this once.
+class SolvedNodes {
+ public:
+  void choose(const TissueSolver& solver, const BodyRows& rows) {
+    number_.assign(at(solver.nodes()), -1);
+    nodes_.clear();
+    for (const Index node : rows.node) {
+      if (number_[at(node)] >= 0 || solver.is_fixed(node)) continue;
+      number_[at(node)] = static_cast<Index>(nodes_.size());
+      nodes_.push_back(node);
+    }
+  }
+  std::size_t unknowns() const { return 3 * nodes_.size(); }
+  NodeCompliance compliance(TissueSolver& solver) {
+    const std::size_t count = unknowns();
+    // Grow only: a larger one serves fewer nodes without asking for memory.
+    if (C_.rows() < static_cast<Index>(count))
+      C_.setZero(static_cast<Index>(count), static_cast<Index>(count));
+    columns_.resize(3 * solver.nodes(), chunk);
+    for (std::size_t first = 0; first < count; first += chunk) {
+      const std::size_t width = std::min(chunk, count - first);
+      auto block = columns_.leftCols(static_cast<Index>(width));
+      block.setZero();
+      for (std::size_t j = 0; j < width; ++j) {
+        const std::size_t unknown = first + j;
+        block(3 * nodes_[unknown / 3] + static_cast<Index>(unknown % 3), static_cast<Index>(j)) = 1;
+      }
+      solver.solve_as_compliance(block);
+      for (std::size_t j = 0; j < width; ++j)
+        for (std::size_t i = 0; i < nodes_.size(); ++i)
+          C_.col(static_cast<Index>(first + j)).segment<3>(static_cast<Index>(3 * i)) =
+              block.col(static_cast<Index>(j)).segment<3>(3 * nodes_[i]);
+    }
+    return {&C_, number_, {}};
+  }
+
+ private:
+  std::vector<Index> nodes_, number_;
+  MatX C_, columns_;
+};
 
 }  // namespace
 
@@ -161,6 +203,14 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
         is_outside[at(r)] = 1;
     }
     if (is_outside[at(r)]) outside.push_back(r);
+  }
+  // Many rows on few nodes, as those of a thread that has come to lie: the nodes are fewer columns.
+  thread_local SolvedNodes solved;
+  if (!outside.empty()) solved.choose(solver, rows);
+  if (!outside.empty() && solved.unknowns() < outside.size()) {
+    is_outside.assign(at(rows.size()), 0);
+    add_candidate_rows(solved.compliance(solver), rows, is_outside, dt, W);
+    return static_cast<Index>(solved.unknowns());
   }
   if (compliance.C) add_candidate_rows(compliance, rows, is_outside, dt, W);
   if (!outside.empty())

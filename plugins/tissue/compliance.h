@@ -52,8 +52,8 @@ class Candidates {
   Index full_until_ = -1;  ///< step; before it a new choice could not hold more touched nodes
 };
 
-/// W += h^2 H A^-1 H^T over the rows of one body. Returns the number of rows that had to be solved
-/// for because they touch nodes outside the candidates.
+/// W += h^2 H A^-1 H^T over the rows of one body. Returns the number of columns that had to be
+/// solved for because rows touch nodes outside the candidates.
 Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
                             Eigen::Ref<MatX> W);
 

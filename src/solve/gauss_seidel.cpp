@@ -159,7 +159,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
 
     if (options_.acceleration == Acceleration::subspace && residual.value > options_.tolerance &&
         --pause < 0) {
-      const Index free = subspace_.gather(problem, compliance_, lambda_plus_);
+      const Index free = subspace_.gather(problem, compliance_);
       if (direct_step_pays(problem, free, before, residual.value)) {
         const Real by_sweeps = residual.value;
         residual = subspace_.newton(problem, compliance_, residual, options_.tolerance,

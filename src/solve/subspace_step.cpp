@@ -11,32 +11,72 @@ void SubspaceStep::begin() {
   factored_ = false;
 }
 
-void SubspaceStep::take_tangent(const ConstraintProblem& problem, Compliance& compliance,
-                                const GrowingVec& lambda_plus, std::size_t block) {
-  const ConstraintBlock& b = problem.blocks[block];
-  const int dim = b.law->dim;
-  const Real* W = compliance[block];
-  // What the block itself sees at lambda_plus: the pair is on its law's graph.
-  Real delta[max_block_dim], plus[max_block_dim];
-  for (int k = 0; k < dim; ++k) plus[k] = lambda_plus[b.first_row + k];
-  for (int k = 0; k < dim; ++k) {
-    delta[k] = problem.delta[b.first_row + k];
-    for (int j = 0; j < dim; ++j)
-      delta[k] += W[k + j * dim] * (plus[j] - problem.lambda[b.first_row + j]);
-    base_[b.first_row + k] = plus[k];
+void SubspaceStep::ask(const ConstraintProblem& problem, Compliance& compliance) {
+  asked_.resize(problem.rows());
+  asked_delta_.resize(problem.rows());
+  asked_state_.resize(problem.blocks.size());
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    const ConstraintBlock& b = problem.blocks[i];
+    const int dim = b.law->dim;
+    Real mean = 0;
+    for (int k = 0; k < dim; ++k) mean += compliance[i][k + k * dim] / dim;
+    Real D[max_block_dim * max_block_dim] = {}, d[max_block_dim];
+    for (int k = 0; k < dim; ++k) {
+      const Index row = b.first_row + k;
+      D[k + k * dim] = mean;
+      d[k] = problem.delta[row] - mean * problem.lambda[row];
+      asked_[row] = problem.lambda[row];
+    }
+    asked_state_[i] = b.mode;
+    b.law->project({D, d, problem.block_params(b), &asked_state_[i], asked_.data() + b.first_row});
+    for (int k = 0; k < dim; ++k)
+      asked_delta_[b.first_row + k] = d[k] + mean * asked_[b.first_row + k];
   }
-  Mode mode = b.mode;
-  b.law->free_directions({W, delta, problem.block_params(b), &mode, plus}, tangents_[block]);
 }
 
-Index SubspaceStep::gather(const ConstraintProblem& problem, Compliance& compliance,
-                           const GrowingVec& lambda_plus) {
+void SubspaceStep::take_tangent(const ConstraintProblem& problem, Compliance& compliance,
+                                std::size_t block) {
+  const ConstraintBlock& b = problem.blocks[block];
+  Real plus[max_block_dim];
+  for (int k = 0; k < b.law->dim; ++k) base_[b.first_row + k] = plus[k] = asked_[b.first_row + k];
+  Mode mode = asked_state_[block];
+  b.law->free_directions(
+      {compliance[block], asked_delta_.data() + b.first_row, problem.block_params(b), &mode, plus},
+      tangents_[block]);
+  states_[block] = asked_state_[block];
+}
+
+Index SubspaceStep::gather(const ConstraintProblem& problem, Compliance& compliance) {
   tangents_.resize(problem.blocks.size());
+  states_.resize(problem.blocks.size());
   base_.resize(problem.rows());
-  for (std::size_t i = 0; i < problem.blocks.size(); ++i)
-    take_tangent(problem, compliance, lambda_plus, i);
+  ask(problem, compliance);
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) take_tangent(problem, compliance, i);
   collect(problem);
   return static_cast<Index>(now_.directions.size());
+}
+
+std::size_t SubspaceStep::change_states(const ConstraintProblem& problem, Compliance& compliance,
+                                        std::size_t most) {
+  ask(problem, compliance);
+  changing_.clear();
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    if (asked_state_[i] != states_[i])
+      changing_.push_back(i);
+    else
+      take_tangent(problem, compliance, i);
+  }
+  const std::size_t count = changing_.size();
+  if (most < count) {
+    const auto end = changing_.begin() + static_cast<std::ptrdiff_t>(most);
+    std::nth_element(changing_.begin(), end, changing_.end(), [&](std::size_t a, std::size_t b) {
+      return block_residual_[a] > block_residual_[b] ||
+             (block_residual_[a] == block_residual_[b] && a < b);
+    });
+    changing_.erase(end, changing_.end());
+  }
+  for (const std::size_t i : changing_) take_tangent(problem, compliance, i);
+  return count;
 }
 
 void SubspaceStep::collect(const ConstraintProblem& problem) {
@@ -171,17 +211,26 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
 Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                               Real tolerance, GrowingVec& lambda_plus, SolveReport& report,
                               bool may_walk) {
-  constexpr int most_steps = 12;
+  constexpr int patience = 40;  // steps without fewer blocks in the wrong state
   const GrowingVec& start = start_lambda_ = problem.lambda;
   best_ = residual;
   best_lambda_ = problem.lambda;
-  for (int step = 0; step < most_steps && residual.value > tolerance; ++step) {
-    gather(problem, compliance, lambda_plus);
+  gather(problem, compliance);
+  std::size_t fewest = problem.blocks.size(), most = fewest;
+  for (int idle = 0; idle < patience && residual.value > tolerance; ++idle) {
     if (!solve(problem, compliance, report)) break;
     ++report.direct_solves;
-    residual = natural_map(problem, compliance, lambda_plus);
+    residual = natural_map(problem, compliance, lambda_plus, &block_residual_);
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
+    const std::size_t wrong = change_states(problem, compliance, most);
+    collect(problem);
+    if (wrong < fewest) {
+      fewest = wrong;
+      idle = 0;
+    } else {
+      most = std::max(std::min(most, wrong) * 2 / 3, std::size_t{1});
+    }
   }
   if (may_walk && best_.value > tolerance) {
     problem.lambda = start;
@@ -249,9 +298,10 @@ void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real
                         GrowingVec& lambda_plus, SolveReport& report) {
   const std::size_t blocks = problem.blocks.size();
   natural_map(problem, compliance, lambda_plus, &block_residual_);
+  ask(problem, compliance);
   for (std::size_t i = 0; i < blocks; ++i) {
     if (block_residual_[i] <= tolerance)
-      take_tangent(problem, compliance, lambda_plus, i);
+      take_tangent(problem, compliance, i);
     else
       hold(problem, compliance, problem.lambda, i);
   }
@@ -296,8 +346,8 @@ void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real
       keep_best(problem, residual);
       if (!(residual.value > tolerance)) return;
       const auto worst = std::max_element(block_residual_.begin(), block_residual_.end());
-      take_tangent(problem, compliance, lambda_plus,
-                   static_cast<std::size_t>(worst - block_residual_.begin()));
+      ask(problem, compliance);
+      take_tangent(problem, compliance, static_cast<std::size_t>(worst - block_residual_.begin()));
       continue;
     }
     problem.lambda = from + length * way;

@@ -20,15 +20,16 @@ class SubspaceStep {
  public:
   void begin();  ///< a new problem: no factor of the last one is of use
 
-  /// Takes the tangents of all laws at lambda_plus (what natural_map answered). Returns the number
-  /// of free directions.
-  Index gather(const ConstraintProblem& problem, Compliance& compliance,
-               const GrowingVec& lambda_plus);
+  /// Takes the tangents of all laws at the present lambda and delta. Returns the number of free
+  /// directions.
+  Index gather(const ConstraintProblem& problem, Compliance& compliance);
 
-  /// Newton over the tangents: all blocks take new ones after each solve, which is fast but may
-  /// cycle. If it does and `may_walk`, a slower walk from where it started. Leaves the best point
-  /// met. lambda must be admissible for every law (as it is after a sweep); `residual` and
-  /// lambda_plus are those of natural_map before and after.
+  /// Newton over the tangents: blocks take new ones after each solve. All of them may change their
+  /// state at first. That is fast but may cycle: whenever no fewer are in the wrong state than
+  /// before, only two thirds as many may change, those with the largest residual (block pivoting:
+  /// Judice and Pires 1994). If that does not end either and `may_walk`, a slower walk from where
+  /// it started. Leaves the best point met. lambda must be admissible for every law (as it is after
+  /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                   Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 
@@ -51,8 +52,17 @@ class SubspaceStep {
     bool operator==(const System&) const = default;
   };
 
-  void take_tangent(const ConstraintProblem& problem, Compliance& compliance,
-                    const GrowingVec& lambda_plus, std::size_t block);
+  /// What each law asks for if its block answers a force alike in all directions, by the mean of
+  /// its own compliance: a pair of force and delta on its graph, and its state. With the compliance
+  /// itself a touch that rests beyond its friction would be asked to open instead of to slip
+  /// wherever friction lifts it, and to rest again when it has opened.
+  void ask(const ConstraintProblem& problem, Compliance& compliance);
+  /// At what the law has been asked.
+  void take_tangent(const ConstraintProblem& problem, Compliance& compliance, std::size_t block);
+  /// New tangents for blocks whose state is that of their tangent, and for the `most` of the others
+  /// whose residual is largest. Returns how many others there are.
+  std::size_t change_states(const ConstraintProblem& problem, Compliance& compliance,
+                            std::size_t most);
   void collect(const ConstraintProblem& problem);
   bool unchanged() const { return factored_ && now_ == factored_with_; }
   /// lambda <- the solution on the tangents, delta <- W lambda + d_free. False if there is none.
@@ -77,6 +87,10 @@ class SubspaceStep {
   void keep_best(const ConstraintProblem& problem, const Residual& residual);
 
   std::vector<FreeDirectionsView> tangents_;  // per block
+  std::vector<Mode> states_;                  // per block, that of the tangent
+  std::vector<Mode> asked_state_;             // per block
+  GrowingVec asked_, asked_delta_;
+  std::vector<std::size_t> changing_;         // blocks
   std::vector<RowCombination> combinations_;  // per direction
   GrowingVec base_;
   System now_, factored_with_;

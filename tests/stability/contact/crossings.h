@@ -74,8 +74,9 @@ inline int crossings_of(const std::array<Vec3, 4>& p, const std::array<Vec3, 4>&
 
 /// How often the straight way from one state to the other leads parts of two lines (`self`: of one)
 /// through each other. Beams that share a node are left out: they never touch each other
-/// (docs/theory/contact.md).
-inline int crossings(const Line& a0, const Line& a1, const Line& b0, const Line& b1, bool self) {
+/// (docs/theory/contact.md); `parts` are those of line_of.
+inline int crossings(const Line& a0, const Line& a1, const Line& b0, const Line& b1, bool self,
+                     int parts = parts_of_beam) {
   using Bounds = Eigen::AlignedBox<Real, 3>;
   const auto around = [](const Line& x, const Line& y, std::size_t i) {
     Bounds all(x[i]);
@@ -84,10 +85,11 @@ inline int crossings(const Line& a0, const Line& a1, const Line& b0, const Line&
   };
   std::vector<Bounds> others;
   for (std::size_t j = 0; j + 1 < b0.size(); ++j) others.push_back(around(b0, b1, j));
+  const auto beam = static_cast<std::size_t>(parts);
   int count = 0;
   for (std::size_t i = 0; i + 1 < a0.size(); ++i) {
     const Bounds mine = around(a0, a1, i);
-    for (std::size_t j = self ? (i / parts_of_beam + 2) * parts_of_beam : 0; j < others.size(); ++j)
+    for (std::size_t j = self ? (i / beam + 2) * beam : 0; j < others.size(); ++j)
       if (mine.intersects(others[j]))
         count += crossings_of({a0[i], a0[i + 1], b0[j], b0[j + 1]},
                               {a1[i], a1[i + 1], b1[j], b1[j + 1]});

@@ -102,6 +102,17 @@ TEST_F(ComplianceOf, RowsOutsideTheCandidatesAreSolvedFor) {
   EXPECT_LT(solved_rows, more.size());
 }
 
+TEST_F(ComplianceOf, ManyRowsOnFewNodesCostNoMoreThanTheNodes) {
+  deform(testing::bend(0.05, 0.5, 0.0075));
+  SynchronousSolver solver;
+  const BodyRows rows = contacts(grid, 200);
+  solver.analyse(A.pattern(), grid.fixed, {});
+  solver.prepare(A, {}, 0);
+  EXPECT_LT((from(solver, rows) - exact(rows)).norm(), 1e-11 * exact(rows).norm());
+  EXPECT_GT(solved_rows, 0);
+  EXPECT_LE(solved_rows, 3 * 11 * 5);  // of 600 rows: the nodes of the upper face
+}
+
 TEST_F(ComplianceOf, AsynchronousOneTurnsWithTheBody) {
   AsyncOptions o;
   o.lag = 1;
