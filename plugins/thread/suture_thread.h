@@ -107,7 +107,8 @@ class SutureThread : public Component,
   std::optional<std::pair<Real, Real>> rigid_range(Real from, Real to) const override;
   void make_rigid(Index body, Real from, Real to) override;
   void release(Index body) override;
-  Wrench section_wrench(Real s) const override;
+  bool is_rigid(Index body) const override;
+  Wrench end_wrench(Real s, bool of_the_one_before) const override;
 
   /// To the load of the step: on the section of a hold, which need not be closed.
   void add_load(Index hold, const Wrench& wrench);

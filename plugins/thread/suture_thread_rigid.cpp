@@ -33,16 +33,19 @@ void SutureThread::release(Index body) {
   if (rod_.release(body)) step_.fit(rod_);
 }
 
-Wrench SutureThread::section_wrench(Real s) const {
-  const Index node = node_at(s);
-  const bool before = node > 0 && !rod_.stretches().is_rigid(node - 1);
-  const bool after = node < rod_.beams() && !rod_.stretches().is_rigid(node);
-  if (!before && !after) return {};
-  const Index beam = after ? node : node - 1;
+bool SutureThread::is_rigid(Index body) const {
+  const auto& all = rod_.stretches().all();
+  return std::any_of(all.begin(), all.end(),
+                     [body](const RigidStretch& each) { return each.body == body; });
+}
+
+Wrench SutureThread::end_wrench(Real s, bool of_the_one_before) const {
+  const Index beam = node_at(s) - of_the_one_before;
+  if (beam < 0 || beam >= rod_.beams()) return {};
   ElementState state;
   rod_.element_state(beam, state);
   const ElementGradient g = gradient(rod_.element(beam), state);
-  return {g.v, after ? Vec3(-g.a) : g.b};
+  return of_the_one_before ? Wrench{-g.v, -g.b} : Wrench{g.v, -g.a};
 }
 
 /// Rows of followers become rows of their leaders.

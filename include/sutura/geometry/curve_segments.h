@@ -60,9 +60,12 @@ class RigidStretches {
   virtual void make_rigid(Index body, Real from, Real to) = 0;
   /// All stretches of that body are as free as before, with the forces in them that they had then.
   virtual void release(Index body) = 0;
-  /// What the part of the curve beyond s exerts on the part before it, at the end of the last step
-  /// (N; N m about the centre of the section at s); s a place between two segments.
-  virtual Wrench section_wrench(Real s) const = 0;
+  /// Whether there is such a body still: what is cut is rigid no more.
+  virtual bool is_rigid(Index body) const = 0;
+  /// What the segment that ends at s, or the one that begins there, exerts on what is beyond its
+  /// end s, at the end of the last step (N; N m about the centre of the section). Zero where the
+  /// curve ends.
+  virtual Wrench end_wrench(Real s, bool of_the_one_before) const = 0;
 };
 
 }  // namespace sutura

@@ -1,0 +1,63 @@
+#include "touch_clusters.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace sutura::contact {
+
+std::size_t TouchClusters::root(std::size_t i) {
+  while (root_[i] != i) i = root_[i] = root_[root_[i]];
+  return i;
+}
+
+std::size_t TouchClusters::stretch_of(Real place) const {
+  const auto it = std::lower_bound(
+      stretches_.begin(), stretches_.end(), place,
+      [](const std::pair<Real, Real>& stretch, Real at) { return stretch.second < at; });
+  return static_cast<std::size_t>(it - stretches_.begin());
+}
+
+const std::vector<TouchCluster>& TouchClusters::find(const std::vector<Touch>& touches,
+                                                     Real reach) {
+  places_.clear();
+  for (const Touch& t : touches) {
+    if (!t.carries) continue;
+    places_.push_back(t.first_place);
+    places_.push_back(t.second_place);
+  }
+  std::sort(places_.begin(), places_.end());
+  stretches_.clear();
+  for (const Real place : places_) {
+    if (stretches_.empty() || place - stretches_.back().second > reach)
+      stretches_.emplace_back(place, place);
+    stretches_.back().second = place;
+  }
+  root_.resize(stretches_.size());
+  std::iota(root_.begin(), root_.end(), std::size_t(0));
+  for (const Touch& t : touches)
+    if (t.carries) {
+      const std::size_t a = root(stretch_of(t.first_place)), b = root(stretch_of(t.second_place));
+      root_[std::max(a, b)] = std::min(a, b);
+    }
+  // A root comes before what hangs on it.
+  all_.clear();
+  cluster_.resize(stretches_.size());
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const std::size_t r = root(i);
+    if (r == i) {
+      cluster_[i] = all_.size();
+      all_.emplace_back();
+    }
+    all_[cluster_[r]].stretches.push_back(stretches_[i]);
+  }
+  for (const Touch& t : touches) {
+    if (!t.carries) continue;
+    TouchCluster& c = all_[cluster_[root(stretch_of(t.first_place))]];
+    ++c.touches;
+    c.slipping += !t.sticks;
+    c.fastest = std::max(c.fastest, t.slipped);
+  }
+  return all_;
+}
+
+}  // namespace sutura::contact
