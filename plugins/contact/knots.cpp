@@ -166,8 +166,15 @@ void Knots::commit(const StepContext& context, const SolvedBlocks&) {
 void Knots::look_at(const TouchCluster& cluster, Real dt) {
   Knot now;
   now.number = none;
-  for (const Knot& old : before_)
-    if (old.number != none && old.from < cluster.last() && old.to > cluster.first()) now = old;
+  const Real near = reach * 2 * curve_->radius(curve_->length());
+  for (Knot& old : before_) {
+    if (old.number == none || std::abs(old.from - cluster.first()) > near ||
+        std::abs(old.to - cluster.last()) > near)
+      continue;
+    now = old;
+    old.number = none;
+    break;
+  }
   if (now.number == none) now.number = next_number_++;
   now.from = cluster.first(), now.to = cluster.last();
   const std::vector<Stretch> stretches = ranges(cluster);

@@ -50,7 +50,7 @@ class Knots : public Component, public ConstraintSource {
 
   Link<Contact> contact_;
   bool rigidify_ = false;
-  Real slow_ = 1e-3, tension_ = 1e-3, still_for_ = 20e-3, tolerance_ = 0.1;
+  Real slow_ = 1e-4, tension_ = 1e-3, still_for_ = 50e-3, tolerance_ = 0.1;
 
   SegmentedCurve* curve_ = nullptr;
   RigidStretches* rigid_ = nullptr;
