@@ -88,6 +88,12 @@ void Knots::describe(Describe<Knots>& d) {
            [largest](const Knots& all) {
              return largest(all, [](const Knot& k) { return k.held; });
            });
+  d.output("departure", "1",
+           "By what share of the largest of them the forces of the strands differ now from those "
+           "at which a rigid knot was seen at rest: what makes it free above 'tolerance'.",
+           [largest](const Knots& all) {
+             return largest(all, [](const Knot& k) { return k.is_rigid ? k.departure : 0; });
+           });
   d.output("releases", "1", "How often a rigid knot was made free, since the start.",
            [](const Knots& all) { return static_cast<Real>(all.releases_); });
 }
@@ -152,7 +158,7 @@ void Knots::commit(const StepContext& context, const SolvedBlocks&) {
   for (Knot& knot : before_) {
     if (!knot.is_rigid) continue;
     if (!is_still_rigid(knot)) free(knot);
-    knots_.push_back(knot);
+    knots_.push_back(std::move(knot));
     knot.number = none;  // nothing goes on from it in this step: its touches are not known yet
   }
   const Real diameter = 2 * curve_->radius(curve_->length());
@@ -171,14 +177,14 @@ void Knots::look_at(const TouchCluster& cluster, Real dt) {
     if (old.number == none || std::abs(old.from - cluster.first()) > near ||
         std::abs(old.to - cluster.last()) > near)
       continue;
-    now = old;
+    now = std::move(old);
     old.number = none;
     break;
   }
   if (now.number == none) now.number = next_number_++;
   now.from = cluster.first(), now.to = cluster.last();
-  const std::vector<Stretch> stretches = ranges(cluster);
-  now.load = measure(stretches, forces_);
+  find_ranges(cluster);
+  now.load = measure(ranges_, forces_);
   const bool rests = cluster.fastest <= slow_ * dt && now.load >= tension_;
   now.quiet = rests ? now.quiet + dt : 0;
   if (!rests) now.is_typed = false;
@@ -196,16 +202,17 @@ void Knots::look_at(const TouchCluster& cluster, Real dt) {
       else
         free(rigid);
     }
-    if (rigidify_ && is_new) make_rigid(now, stretches);
+    if (rigidify_ && is_new) make_rigid(now);
   }
-  knots_.push_back(now);
+  knots_.push_back(std::move(now));
 }
 
-void Knots::make_rigid(Knot& knot, const std::vector<Stretch>& stretches) {
-  if (stretches.empty()) return;
+void Knots::make_rigid(Knot& knot) {
+  if (ranges_.empty()) return;
   knot.is_rigid = true;
-  knot.stretches = stretches;
-  const Pose first = leader(stretches.front());
+  knot.stretches = ranges_;
+  knot.departure = 0;
+  const Pose first = leader(ranges_.front());
   const Quat back = first.rotation.conjugate();
   for (Stretch& s : knot.stretches) {
     const Pose place = leader(s);
@@ -230,7 +237,8 @@ bool Knots::is_still_rigid(Knot& knot) {
     most = std::max(most, knot.seen[i].norm());
     off = std::max(off, (forces_[i] - knot.seen[i]).norm());
   }
-  return off <= tolerance_ * most && knot.load >= tension_;
+  knot.departure = off / most;
+  return knot.departure <= tolerance_ && knot.load >= tension_;
 }
 
 Real Knots::measure(const std::vector<Stretch>& stretches, std::vector<Vec3>& forces) const {
@@ -245,20 +253,17 @@ Real Knots::measure(const std::vector<Stretch>& stretches, std::vector<Vec3>& fo
   return most;
 }
 
-/// The stretches of a cluster as the thread can make them rigid, from node to node; none if it
-/// cannot.
-std::vector<Knots::Stretch> Knots::ranges(const TouchCluster& cluster) const {
-  std::vector<Stretch> out;
+void Knots::find_ranges(const TouchCluster& cluster) {
+  ranges_.clear();
   for (const auto& [from, to] : cluster.stretches) {
     const Real rim = curve_->radius(from);  // touches lie within
     const auto range = rigid_->rigid_range(from - rim, to + rim);
-    if (!range) return {};
-    if (!out.empty() && range->first <= out.back().to)
-      out.back().to = range->second;
+    if (!range) return ranges_.clear();
+    if (!ranges_.empty() && range->first <= ranges_.back().to)
+      ranges_.back().to = range->second;
     else
-      out.push_back({range->first, range->second, {}});
+      ranges_.push_back({range->first, range->second, {}});
   }
-  return out;
 }
 
 /// Of the thread from end to end of the knot, with some of what comes out of it. From there it goes
@@ -310,6 +315,7 @@ void Knots::archive(Archive& a) {
       one("place", s.place);
     });
     each("seen", k.seen);
+    each("departure", k.departure);
   });
   a("next_number", next_number_);
   a("releases", releases_);

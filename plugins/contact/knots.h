@@ -34,17 +34,20 @@ class Knots : public Component, public ConstraintSource {
     Real held = 0;  ///< the largest of those at which it was seen at rest
     std::vector<Stretch> stretches;
     std::vector<Vec3> seen;  ///< forces of the strands when it became rigid, seen from it (N)
+    Real departure = 0;      ///< by what share of the largest of these they differ now
     bool is_tight() const { return is_typed && type.is_knot; }
   };
 
   void look_at(const TouchCluster& cluster, Real dt);
   bool is_still_rigid(Knot& knot);
   void free(Knot& knot);
-  void make_rigid(Knot& knot, const std::vector<Stretch>& stretches);
+  void make_rigid(Knot& knot);
   KnotType type_of(const TouchCluster& cluster);
   /// Forces of all strands that come out of the knot, seen from it (N); returns the largest.
   Real measure(const std::vector<Stretch>& stretches, std::vector<Vec3>& forces) const;
-  std::vector<Stretch> ranges(const TouchCluster& cluster) const;
+  /// Into `ranges_`: the stretches of a cluster from node to node of the thread; none if the thread
+  /// cannot make them rigid.
+  void find_ranges(const TouchCluster& cluster);
   Pose leader(const Stretch& stretch) const;
   Index body(const Knot& knot) const;
 
@@ -59,6 +62,7 @@ class Knots : public Component, public ConstraintSource {
   std::vector<Knot> knots_, before_;  ///< ascending along the thread
   std::vector<CurveSegment> segments_;
   std::vector<Vec3> forces_;
+  std::vector<Stretch> ranges_;
   Index next_number_ = 0, releases_ = 0;
 };
 

@@ -41,14 +41,16 @@ const std::vector<TouchCluster>& TouchClusters::find(const std::vector<Touch>& t
     }
   // A root comes before what hangs on it.
   all_.clear();
+  by_cluster_.clear();
+  by_cluster_.reserve(stretches_.size());  // what a span has begun in stays there
   cluster_.resize(stretches_.size());
-  for (std::size_t i = 0; i < stretches_.size(); ++i) {
-    const std::size_t r = root(i);
-    if (r == i) {
-      cluster_[i] = all_.size();
-      all_.emplace_back();
-    }
-    all_[cluster_[r]].stretches.push_back(stretches_[i]);
+  for (std::size_t r = 0; r < stretches_.size(); ++r) {
+    if (root(r) != r) continue;
+    cluster_[r] = all_.size();
+    const std::size_t begin = by_cluster_.size();
+    for (std::size_t i = r; i < stretches_.size(); ++i)
+      if (root(i) == r) by_cluster_.push_back(stretches_[i]);
+    all_.emplace_back().stretches = std::span(by_cluster_).subspan(begin);
   }
   for (const Touch& t : touches) {
     if (!t.carries) continue;

@@ -2,6 +2,7 @@
 // thread with touches close to each other, and whose edges are the touches between them.
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace sutura::contact {
 
 struct TouchCluster {
-  std::vector<std::pair<Real, Real>> stretches;  ///< first and last place of each, m; ascending
+  std::span<const std::pair<Real, Real>> stretches;  ///< first and last place, m; ascending
   Index touches = 0;
   Index slipping = 0;  ///< of these
   Real fastest = 0;    ///< the largest slip in the step (m)
@@ -27,7 +28,7 @@ class TouchClusters {
 
  private:
   std::vector<Real> places_;
-  std::vector<std::pair<Real, Real>> stretches_;
+  std::vector<std::pair<Real, Real>> stretches_, by_cluster_;
   std::vector<std::size_t> root_, cluster_;
   std::vector<TouchCluster> all_;
   std::size_t root(std::size_t i);
