@@ -155,15 +155,14 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
       gap.tail<2>() += t.left_over;
       gap[0] = t.gap;
       blocks_.push_back(
-          is_sticky() ? builder.add<StaticFriction>(
-                            key, {static_friction_, friction_, compliance_, slow * context.dt}, gap,
-                          t.mode)
-                      : builder.add<Coulomb>(key, {friction_, compliance_}, gap, t.mode));
+          is_sticky()
+              ? builder.add<StaticFriction>(
+                    key, {static_friction_, friction_, compliance_, slow * context.dt}, gap, t.mode)
+              : builder.add<Coulomb>(key, {friction_, compliance_}, gap, t.mode));
       builder.begin_with<3>(blocks_.back(), t.lambda);
       pair_->couple(t, blocks_.back(), axes, builder);
     } else {
-      blocks_.push_back(
-          builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap), t.mode));
+      blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap), t.mode));
       builder.begin_with<1>(blocks_.back(), BlockVector<1>(t.lambda[0]));
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }

@@ -49,8 +49,7 @@ std::vector<Crossing> simplest_drawing(const std::vector<Vec3>& line) {
   std::vector<Crossing> best;
   for (int i = 0; i < drawings; ++i) {
     const Vec3 axis(std::sin(1. + i), std::sin(2. + 3 * i), std::sin(5. * i + 0.3));
-    auto drawn =
-        draw(line, Eigen::AngleAxis<Real>(0.3 + i, axis.normalized()).toRotationMatrix());
+    auto drawn = draw(line, Eigen::AngleAxis<Real>(0.3 + i, axis.normalized()).toRotationMatrix());
     if (i == 0 || drawn.size() < best.size()) best = std::move(drawn);
   }
   return best;
@@ -196,7 +195,8 @@ std::optional<Complex> jones(const std::vector<Vec3>& line, Real angle) {
 KnotType knot_type(const std::vector<Vec3>& line) {
   KnotType type;
   const std::vector<Crossing> drawn = simplest_drawing(line);
-  const auto there = jones_of(drawn, angle_of_type), at_minus_one = jones_of(drawn, std::numbers::pi);
+  const auto there = jones_of(drawn, angle_of_type),
+             at_minus_one = jones_of(drawn, std::numbers::pi);
   if (!there || !at_minus_one) {
     type.is_knot = true;  // with so many crossings that is more likely than not
     type.determinant = 0;

@@ -17,11 +17,11 @@ namespace sutura::contact {
 
 struct KnotType {
   bool is_knot = false;
-  bool is_known = false;   ///< what follows but the determinant is known
-  Index throws = 0;        ///< torus knots one after another
-  Index left = 0;          ///< of these left-handed
-  Index crossings = 0;     ///< 3 for a throw of one turn, 5 of two, 7 of three
-  Real determinant = 1;    ///< |Alexander polynomial at -1|; of a throw, its crossings
+  bool is_known = false;  ///< what follows but the determinant is known
+  Index throws = 0;       ///< torus knots one after another
+  Index left = 0;         ///< of these left-handed
+  Index crossings = 0;    ///< 3 for a throw of one turn, 5 of two, 7 of three
+  Real determinant = 1;   ///< |Alexander polynomial at -1|; of a throw, its crossings
   bool operator==(const KnotType&) const = default;
 };
 

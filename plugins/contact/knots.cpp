@@ -55,39 +55,32 @@ void Knots::describe(Describe<Knots>& d) {
       if (k.is_tight()) most = std::max<Real>(most, of(k));
     return most;
   };
-  d.output("found", "1", "Number of tight knots.", [sum](const Knots& all) {
-    return sum(all, [](const Knot&) { return 1; });
-  });
-  d.output("rigid", "1", "Of these, how many are rigid.", [sum](const Knots& all) {
-    return sum(all, [](const Knot& k) { return k.is_rigid; });
-  });
-  d.output("throws", "1", "Throws of all of them, where they can be told.", [sum](const Knots& all) {
-    return sum(all, [](const Knot& k) { return k.type.throws; });
-  });
+  d.output("found", "1", "Number of tight knots.",
+           [sum](const Knots& all) { return sum(all, [](const Knot&) { return 1; }); });
+  d.output("rigid", "1", "Of these, how many are rigid.",
+           [sum](const Knots& all) { return sum(all, [](const Knot& k) { return k.is_rigid; }); });
+  d.output(
+      "throws", "1", "Throws of all of them, where they can be told.",
+      [sum](const Knots& all) { return sum(all, [](const Knot& k) { return k.type.throws; }); });
   d.output("left_throws", "1",
            "Of these, left-handed: one of two in a square knot, none or both in a granny.",
-           [sum](const Knots& all) {
-             return sum(all, [](const Knot& k) { return k.type.left; });
-           });
-  d.output("crossings", "1",
-           "Of the throws: 3 for one turn, 5 for two, 7 for three; a surgeon's knot has 8.",
-           [sum](const Knots& all) {
-             return sum(all, [](const Knot& k) { return k.type.crossings; });
-           });
+           [sum](const Knots& all) { return sum(all, [](const Knot& k) { return k.type.left; }); });
+  d.output(
+      "crossings", "1",
+      "Of the throws: 3 for one turn, 5 for two, 7 for three; a surgeon's knot has 8.",
+      [sum](const Knots& all) { return sum(all, [](const Knot& k) { return k.type.crossings; }); });
   d.output("determinant", "1",
            "Of the knot, the largest of all: the product of the crossings of its throws, whatever "
            "kind it is of; 0 where it is not known.",
            [largest](const Knots& all) {
              return largest(all, [](const Knot& k) { return k.type.determinant; });
            });
-  d.output("load", "N", "The largest force in a strand that comes out of a tight knot.",
-           [largest](const Knots& all) {
-             return largest(all, [](const Knot& k) { return k.load; });
-           });
-  d.output("held", "N", "The largest load at which such a knot was at rest, since it was found.",
-           [largest](const Knots& all) {
-             return largest(all, [](const Knot& k) { return k.held; });
-           });
+  d.output(
+      "load", "N", "The largest force in a strand that comes out of a tight knot.",
+      [largest](const Knots& all) { return largest(all, [](const Knot& k) { return k.load; }); });
+  d.output(
+      "held", "N", "The largest load at which such a knot was at rest, since it was found.",
+      [largest](const Knots& all) { return largest(all, [](const Knot& k) { return k.held; }); });
   d.output("departure", "1",
            "By what share of the largest of them the forces of the strands differ now from those "
            "at which a rigid knot was seen at rest: what makes it free above 'tolerance'.",

@@ -150,8 +150,7 @@ void Resampler::rebuild(Rod& rod) {
     spring.node = moved(spring.node);
     rod.springs().push_back(spring);
   }
-  for (const RigidStretch& s : stretches_)
-    rod.make_rigid({s.body, moved(s.first), moved(s.last)});
+  for (const RigidStretch& s : stretches_) rod.make_rigid({s.body, moved(s.first), moved(s.last)});
   rod.twist() = twist_;
   rod.velocity() = velocity_;
 }

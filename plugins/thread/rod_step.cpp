@@ -76,8 +76,7 @@ bool RodStep::linearise(const Rod& rod, const Dofs& force) {
 void RodStep::answer(const Rod& rod, Eigen::Ref<MatX> columns) const {
   const Stretches& stretches = rod.stretches();
   stretches.pack(rod.poses(), columns);
-  for (const Index node : rod.clamped())
-    columns.middleRows<6>(6 * stretches.block(node)).setZero();
+  for (const Index node : rod.clamped()) columns.middleRows<6>(6 * stretches.block(node)).setZero();
   auto free = columns.topRows(6 * matrix_.blocks());
   if (columns.cols() == 1)
     matrix_.solve(Eigen::Ref<VecX>(free.col(0)));

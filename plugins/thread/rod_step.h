@@ -20,7 +20,8 @@ class RodStep {
 
   RodStep() = default;
   explicit RodStep(const Rod& rod) { fit(rod); }
-  /// To be called whenever the rod was built, has got other nodes or other rigid stretches. What acts on it is zero then.
+  /// To be called whenever the rod was built, has got other nodes or other rigid stretches. What
+  /// acts on it is zero then.
   void fit(const Rod& rod);
   /// Room for so many beams: up to it, no call allocates anything.
   void reserve(Index beams);

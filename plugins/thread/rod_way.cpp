@@ -32,8 +32,7 @@ void RodWay::aim(const Rod& rod, const RodGuess& guess, const Dofs& answer) {
     // The gap of a cut takes up whatever does not fit.
     const Real axial =
         rod.is_cut(e) ? 1e-9 * rod.section(e).axial_stiffness() : rod.element(e).axial;
-    give_[e + 1] =
-        give_[e] + (rod.stretches().is_rigid(e) ? 0 : rod.element(e).length / axial);
+    give_[e + 1] = give_[e] + (rod.stretches().is_rigid(e) ? 0 : rod.element(e).length / axial);
     strain_[e] = s.strain;
     strain_change_[e] = strain_gradient(rod.element(e), s).dot(beam_motion(answer, e));
   }

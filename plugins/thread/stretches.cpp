@@ -93,7 +93,8 @@ void Stretches::gather(const std::vector<Pose>& poses, Eigen::Ref<MatX> forces) 
 
 void Stretches::spread(const std::vector<Pose>& poses, Eigen::Ref<VecX> velocity) const {
   for (const RigidStretch& s : all_) {
-    const Vec3 shift = velocity.segment<3>(6 * s.first), spin = velocity.segment<3>(6 * s.first + 3);
+    const Vec3 shift = velocity.segment<3>(6 * s.first),
+               spin = velocity.segment<3>(6 * s.first + 3);
     for (Index i = s.first + 1; i <= s.last; ++i) {
       velocity.segment<3>(6 * i) = shift + spin.cross(arm(poses, i));
       velocity.segment<3>(6 * i + 3) = spin;
@@ -128,8 +129,7 @@ void Stretches::follow(const std::vector<Pose>& start, Eigen::Ref<VecX> motion) 
       const Quat tilt = shortest_rotation(from, to);
       const Vec3 roll = rotation_between(tilt, turn);
       motion.segment<3>(6 * i) = shift + turn * r - r;
-      motion.segment<3>(6 * i + 3) =
-          rotation_between(Quat::Identity(), tilt) + roll.dot(to) * from;
+      motion.segment<3>(6 * i + 3) = rotation_between(Quat::Identity(), tilt) + roll.dot(to) * from;
     }
   }
 }

@@ -67,8 +67,8 @@ TEST_P(SecondRun, AllocatesNothing) {
 // Whether it is free or rigid. To become the one or the other takes a little.
 TEST(Knots, AllocateNothingWhileNothingChanges) {
   for (const bool rigid : {false, true}) {
-    TextRun run = TextRun::file("components/Knots.xml",
-                                {{"/knots.rigidify", rigid ? "true" : "false"}});
+    TextRun run =
+        TextRun::file("components/Knots.xml", {{"/knots.rigidify", rigid ? "true" : "false"}});
     ASSERT_TRUE(run);
     run.run(0.42);
     EXPECT_EQ(run.number("/knots", "rigid"), rigid);

@@ -1,10 +1,9 @@
 // Which knot a line is: torus knots cut open, one after another, and what is none.
-#include "knot_type.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "knot_type.h"
 #include "support/knot_type.h"
 #include "support/laid_out_knot.h"
 
@@ -52,10 +51,10 @@ TEST(KnotType, OfThrowsUponEachOther) {
       {{{3, right}}, 0, 3, 3},
       {{{3, left}}, 1, 3, 3},
       {{{5, right}}, 0, 5, 5},
-      {{{3, right}, {3, left}}, 1, 6, 9},                // square
-      {{{3, right}, {3, right}}, 0, 6, 9},               // granny
-      {{{5, left}, {3, right}}, 1, 8, 15},               // surgeon's
-      {{{5, left}, {3, right}, {3, left}}, 2, 11, 45},   // with a third throw
+      {{{3, right}, {3, left}}, 1, 6, 9},               // square
+      {{{3, right}, {3, right}}, 0, 6, 9},              // granny
+      {{{5, left}, {3, right}}, 1, 8, 15},              // surgeon's
+      {{{5, left}, {3, right}, {3, left}}, 2, 11, 45},  // with a third throw
       {{{3, right}, {3, left}, {3, right}, {3, left}}, 2, 12, 81},
   };
   for (const Case& c : cases) {
@@ -92,8 +91,8 @@ TEST(KnotType, OfAnotherKnotItsDeterminant) {
   Line line;
   for (int i = 1; i < 400; ++i) {
     const Real t = 2 * std::numbers::pi * i / 400;
-    line.emplace_back((2 + std::cos(2 * t)) * std::cos(3 * t), (2 + std::cos(2 * t)) * std::sin(3 * t),
-                      std::sin(4 * t));
+    line.emplace_back((2 + std::cos(2 * t)) * std::cos(3 * t),
+                      (2 + std::cos(2 * t)) * std::sin(3 * t), std::sin(4 * t));
   }
   line.insert(line.begin(), 100 * line.front());
   line.push_back(100 * line.back());

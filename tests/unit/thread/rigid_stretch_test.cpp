@@ -24,8 +24,7 @@ Rod thrown_and_bent(Index first, Index last) {
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Real x = rod.abscissa()[i];
     rod.velocity().segment<3>(6 * i) = 0.1 * Vec3(0.3, std::sin(20 * x), 0.5 + std::cos(15 * x));
-    rod.velocity().segment<3>(6 * i + 3) =
-        Vec3(2, 1.5 * std::sin(15 * x), 2 * std::cos(20 * x));
+    rod.velocity().segment<3>(6 * i + 3) = Vec3(2, 1.5 * std::sin(15 * x), 2 * std::cos(20 * x));
   }
   RodStep step(rod);
   const VecX none = VecX::Zero(rod.dofs());
@@ -47,8 +46,8 @@ Real change_of_shape(const std::vector<Pose>& before, const std::vector<Pose>& a
       const auto turn = [i, k](const std::vector<Pose>& p) {
         return p[k].rotation.conjugate() * p[i].rotation;
       };
-      most = std::max({most, (apart(after) - apart(before)).norm(),
-                       turn(after).angularDistance(turn(before))});
+      most = std::max(
+          {most, (apart(after) - apart(before)).norm(), turn(after).angularDistance(turn(before))});
     }
   return most;
 }

@@ -88,8 +88,9 @@ TEST(RigidKnot, LetGoItComesOpen) {
 // What a state holds is all there is.
 TEST(RigidKnot, IsSavedAndRestoredToTheBit) {
   const Overrides way = {{"/way.times", "0 0.3 0.45 0.7 s"},
-                         {"/way.positions", "0 0 0  21.090 -9.519 -15.085  21.090 -9.519 -15.085  "
-                                            "19 -9 -14 mm"}};
+                         {"/way.positions",
+                          "0 0 0  21.090 -9.519 -15.085  21.090 -9.519 -15.085  "
+                          "19 -9 -14 mm"}};
   KnotRun run(true, way);
   run.run(0.44);
   ASSERT_EQ(run.knots("rigid"), 1);
