@@ -1,5 +1,7 @@
 #include "contact.h"
 
+#include <limits>
+
 #include "curve_curve.h"
 #include "curve_surface.h"
 #include "curve_tool.h"
@@ -205,15 +207,15 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     closed_ += t.carries;
     largest_force_ = std::max(largest_force_, normal);
     pair_->tell_force(t, force);
-    t.force = force;
     t.mode = solved.mode(block);
     t.lambda = Vec3(normal, 0, 0);
-    t.sticks = has_friction() && StaticFriction::state(t.mode) == Friction::stick;
     t.left_over.setZero();
+    t.slipped = std::numeric_limits<Real>::infinity();
     if (!has_friction()) continue;
+    const Vec2 slip = solved.delta(block).tail<2>();
     t.lambda = solved.lambda(block);
-    t.slipped = solved.delta(block).tail<2>().norm();
-    if (t.sticks) t.left_over = solved.delta(block).tail<2>();
+    t.slipped = slip.norm();
+    if (StaticFriction::state(t.mode) == Friction::stick) t.left_over = slip;
   }
   memory_.remember(touches_, *pair_);
   went_through_ = pair_->free_way() < 1;

@@ -182,22 +182,29 @@ void Knots::look_at(const TouchCluster& cluster, Real dt) {
   now.quiet = rests ? now.quiet + dt : 0;
   if (!rests) now.is_typed = false;
   if (rests && now.quiet > still_for_ * (1 - 1e-9)) {
-    if (!now.is_typed) now.type = type_of(cluster);
-    now.is_typed = true;
+    if (!now.is_typed) find_type(now);
     now.held = std::max(now.held, now.load);
-    // Touches at the rim of a rigid knot; or more of it, and all of it becomes one.
-    bool is_new = now.is_tight();
-    for (Knot& rigid : knots_) {
-      if (!is_new || !rigid.is_rigid || rigid.from > now.to || rigid.to < now.from) continue;
-      is_new = false;
-      if (rigid.type == now.type)
-        now.type = {};
-      else
-        free(rigid);
-    }
-    if (rigidify_ && is_new) make_rigid(now);
+    if (rigidify_ && now.is_tight()) make_rigid(now);
   }
   knots_.push_back(std::move(now));
+}
+
+/// Touches beside a rigid knot are no knot of their own. Either they are at its rim; or, if the two
+/// together are another knot, that one is found as soon as all of it is free.
+void Knots::find_type(Knot& now) {
+  Knot* beside = nullptr;
+  for (Knot& other : knots_)
+    if (other.is_rigid && other.from <= now.to && other.to >= now.from) beside = &other;
+  now.is_typed = true;
+  if (beside == nullptr) {
+    now.type = type_of(now.from, now.to);
+    return;
+  }
+  now.type = {};
+  if (type_of(std::min(beside->from, now.from), std::max(beside->to, now.to)) == beside->type)
+    return;
+  free(*beside);
+  now.is_typed = false;
 }
 
 void Knots::make_rigid(Knot& knot) {
@@ -217,9 +224,11 @@ void Knots::make_rigid(Knot& knot) {
 
 void Knots::free(Knot& knot) {
   rigid_->release(body(knot));
-  knot.is_rigid = knot.is_typed = false;
+  knot.is_rigid = false;
   knot.quiet = 0;
   ++releases_;
+  for (auto* list : {&knots_, &before_})
+    for (Knot& each : *list) each.is_typed = each.is_typed && each.is_rigid;
 }
 
 bool Knots::is_still_rigid(Knot& knot) {
@@ -259,11 +268,11 @@ void Knots::find_ranges(const TouchCluster& cluster) {
   }
 }
 
-/// Of the thread from end to end of the knot, with some of what comes out of it. From there it goes
+/// Of the thread from the first to the last touch of the knot, with some of what comes out of it. From there it goes
 /// straight on, away from the knot.
-KnotType Knots::type_of(const TouchCluster& cluster) {
+KnotType Knots::type_of(Real first, Real last) {
   const Real beyond = tail * 2 * curve_->radius(curve_->length());
-  const Real from = cluster.first() - beyond, to = cluster.last() + beyond;
+  const Real from = first - beyond, to = last + beyond;
   constexpr int parts = 4;
   curve_->segments(Configuration::current, segments_);
   std::vector<Vec3> line(1);
@@ -272,7 +281,7 @@ KnotType Knots::type_of(const TouchCluster& cluster) {
   for (const CurveSegment& s : segments_) {
     if (s.to < from || s.from > to) continue;
     for (int k = 0; k < parts; ++k) line.push_back(s.point(static_cast<Real>(k) / parts));
-    if (s.to < cluster.first() || s.from > cluster.last()) continue;
+    if (s.to < first || s.from > last) continue;
     middle += s.xa, ++inside;
   }
   middle /= inside;

@@ -42,7 +42,8 @@ class Knots : public Component, public ConstraintSource {
   bool is_still_rigid(Knot& knot);
   void free(Knot& knot);
   void make_rigid(Knot& knot);
-  KnotType type_of(const TouchCluster& cluster);
+  void find_type(Knot& now);
+  KnotType type_of(Real first, Real last);
   /// Forces of all strands that come out of the knot, seen from it (N); returns the largest.
   Real measure(const std::vector<Stretch>& stretches, std::vector<Vec3>& forces) const;
   /// Into `ranges_`: the stretches of a cluster from node to node of the thread; none if the thread

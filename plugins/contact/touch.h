@@ -30,9 +30,7 @@ struct Touch {
   Real first_bend = 0, second_bend = 0;
   Vec3 first_tangent = Vec3::Zero(), second_tangent = Vec3::Zero();
   bool carries = false;           ///< force, at the end of the step
-  bool sticks = false;            ///< likewise
-  Vec3 force = Vec3::Zero();      ///< on the first, likewise (N)
-  Real slipped = 0;               ///< across the normal, in the step (m)
+  Real slipped = 0;               ///< in the step, across the normal (m); infinite without friction
   Vec3 lambda = Vec3::Zero();     ///< what it carries, or carried when it was last seen (N)
   Mode mode = 0;                  ///< likewise
   std::uint64_t id = 0;           ///< of the contact, never used again

@@ -55,8 +55,6 @@ const std::vector<TouchCluster>& TouchClusters::find(const std::vector<Touch>& t
   for (const Touch& t : touches) {
     if (!t.carries) continue;
     TouchCluster& c = all_[cluster_[root(stretch_of(t.first_place))]];
-    ++c.touches;
-    c.slipping += !t.sticks;
     c.fastest = std::max(c.fastest, t.slipped);
   }
   return all_;

@@ -198,6 +198,59 @@ TEST(RigidStretch, ReleasedItHasTheForcesThatItHad) {
   EXPECT_GT(most, 1e-8);
 }
 
+// The matrix is minus the derivative of the balance. At rest under a load, where moments are
+// balanced, all of it; and in so long a step, where inertia does not count.
+TEST(RigidStretch, TheMatrixIsTheDerivativeOfTheBalance) {
+  Rod rod = straight(0.05, 10);
+  rod.clamp(0);
+  for (Index i = 1; i < rod.nodes(); ++i) {  // a bow, so that arms lie across forces
+    const Real s = rod.abscissa()[i] / 0.05;
+    rod.poses()[i] = {0.05 * Vec3(std::sin(s), 1 - std::cos(s), 0),
+                      Quat(Eigen::AngleAxis<Real>(s, Vec3::UnitZ()))};
+  }
+  rod.make_rigid({0, 3, 7});
+  RodStep step(rod);
+  VecX load = VecX::Zero(rod.dofs());
+  load.segment<3>(60) = Vec3(2e-4, -3e-4, 1e-4);
+  load.segment<3>(30) = Vec3(1e-4, 1e-4, -2e-4);  // on a follower
+  step.set_load(load);
+  const VecX none = VecX::Zero(rod.dofs());
+  const Real dt = 10;
+  for (int i = 0; i < 30; ++i) ASSERT_GT(step.advance(rod, dt, Vec3::Zero(), none, 1e-6), 0);
+  step.begin(rod, dt, Vec3::Zero());
+  step.move_to(rod, none);
+  ASSERT_TRUE(step.linearise(rod, none));
+  const BlockTridiagonal A = step.matrix();
+  ASSERT_EQ(A.blocks(), 7);
+  const Real largest = A.diagonal(A.blocks() - 1).cwiseAbs().maxCoeff();
+  const Real turn = 1e-5, arm = 5e-3;  // as far as a beam is long
+  for (Index node = 1; node < rod.nodes(); ++node) {
+    if (rod.stretches().follows(node)) continue;
+    for (int d = 0; d < 6; ++d) {
+      const Real size = d < 3 ? turn * arm : turn;
+      VecX missing[2];
+      for (int k = 0; k < 2; ++k) {
+        VecX motion = none;
+        motion[6 * node + d] = k == 0 ? size : -size;
+        step.move_to(rod, motion);
+        missing[k] = step.guess().missing;
+      }
+      VecX x = VecX::Zero(6 * A.blocks()), y(6 * A.blocks());
+      x[6 * rod.stretches().block(node) + d] = 1;
+      A.multiply(x, y);
+      for (Index i = 1; i < rod.nodes(); ++i) {
+        if (rod.stretches().follows(i)) continue;
+        const Vec6 found = -(missing[0] - missing[1]).segment<6>(6 * i) * dt / (2 * size);
+        const Vec6 said = y.segment<6>(6 * rod.stretches().block(i));
+        // In units of the largest entry, a force per shift; moments and turns by the arm.
+        Vec6 off = (found - said) * (d < 3 ? 1 : 1 / arm);
+        off.tail<3>() /= arm;
+        EXPECT_LT(off.norm(), 1e-7 * largest) << node << ' ' << d << ' ' << i;
+      }
+    }
+  }
+}
+
 TEST(RigidStretch, AMotionOfTheLeaderIsOneOfAll) {
   Rod rod = thrown_and_bent(10, 20);
   VecX motion = VecX::Zero(rod.dofs());
