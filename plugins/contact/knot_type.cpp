@@ -192,6 +192,23 @@ std::optional<Complex> jones(const std::vector<Vec3>& line, Real angle) {
   return jones_of(simplest_drawing(line), angle);
 }
 
+std::vector<Vec3> simplified(const std::vector<Vec3>& line, Real off) {
+  std::vector<Vec3> out(1, line.front());
+  for (std::size_t from = 0, to = 2; from + 1 < line.size(); ++to) {
+    const auto is_near = [&](const Vec3& p) {
+      const Vec3 way = line[to] - line[from];
+      const Real part = std::clamp((p - line[from]).dot(way) / way.squaredNorm(), 0., 1.);
+      return (p - line[from] - part * way).norm() <= off;
+    };
+    bool straight = to < line.size();
+    for (std::size_t k = from + 1; k < to && straight; ++k) straight = is_near(line[k]);
+    if (straight) continue;
+    from = to - 1;
+    out.push_back(line[from]);
+  }
+  return out;
+}
+
 KnotType knot_type(const std::vector<Vec3>& line) {
   KnotType type;
   const std::vector<Crossing> drawn = simplest_drawing(line);

@@ -30,6 +30,10 @@ struct KnotType {
 /// where that takes too long. The ends of the line must be outside of all of it.
 std::optional<std::complex<Real>> jones(const std::vector<Vec3>& line, Real angle);
 
+/// With fewer points: none of those left out is further than `off` (m) from what is left. Where
+/// strands are further apart than twice that, it is the same knot.
+std::vector<Vec3> simplified(const std::vector<Vec3>& line, Real off);
+
 KnotType knot_type(const std::vector<Vec3>& line);
 
 }  // namespace sutura::contact

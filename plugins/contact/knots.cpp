@@ -13,8 +13,6 @@ namespace {
 // In diameters of the thread: where touches are further apart along it, what is between is not part
 // of the knot, such as the loop of a suture.
 constexpr Real reach = 10;
-// Likewise: so much of what comes out of a knot is looked at to see which knot it is.
-constexpr Real tail = 20;
 constexpr Index none = -1;
 
 }  // namespace
@@ -268,31 +266,36 @@ void Knots::find_ranges(const TouchCluster& cluster) {
   }
 }
 
-/// Of the thread from the first to the last touch of the knot, with some of what comes out of it. From there it goes
-/// straight on, away from the knot.
+/// Of the thread as far as the next tight knots, or its ends. From there it goes straight on, away
+/// from the knot.
 KnotType Knots::type_of(Real first, Real last) {
-  const Real beyond = tail * 2 * curve_->radius(curve_->length());
-  const Real from = first - beyond, to = last + beyond;
-  constexpr int parts = 4;
+  Real from = 0, to = curve_->length();
+  for (const auto* list : {&knots_, &before_})
+    for (const Knot& other : *list) {
+      if (!other.is_tight()) continue;
+      if (other.to < first) from = std::max(from, other.to);
+      if (other.from > last) to = std::min(to, other.from);
+    }
   curve_->segments(Configuration::current, segments_);
-  std::vector<Vec3> line(1);
+  std::vector<Vec3> line;
   Vec3 middle = Vec3::Zero();
   Real inside = 0;
   for (const CurveSegment& s : segments_) {
-    if (s.to < from || s.from > to) continue;
+    if (s.from < from || s.to > to) continue;
+    constexpr int parts = 4;
     for (int k = 0; k < parts; ++k) line.push_back(s.point(static_cast<Real>(k) / parts));
     if (s.to < first || s.from > last) continue;
     middle += s.xa, ++inside;
   }
   middle /= inside;
   Real size = 0;
-  for (std::size_t i = 1; i < line.size(); ++i) size = std::max(size, (line[i] - middle).norm());
+  for (const Vec3& p : line) size = std::max(size, (p - middle).norm());
   const auto far = [&](const Vec3& end) {
     return Vec3(end + 100 * size * (end - middle).normalized());
   };
-  line.front() = far(line[1]);
+  line.insert(line.begin(), far(line.front()));
   line.push_back(far(line.back()));
-  return knot_type(line);
+  return knot_type(simplified(line, curve_->radius(last) / 10));
 }
 
 void Knots::archive(Archive& a) {

@@ -12,7 +12,7 @@ namespace sutura::contact {
 
 struct TouchCluster {
   std::span<const std::pair<Real, Real>> stretches;  ///< first and last place, m; ascending
-  Real fastest = 0;  ///< the largest slip in the step (m)
+  Real fastest = 0;                                  ///< the largest slip in the step (m)
 
   Real first() const { return stretches.front().first; }
   Real last() const { return stretches.back().second; }

@@ -124,11 +124,12 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
     if (rod.is_clamped(i) || stretches.follows(i)) continue;
     Vec6 r = guess_.missing.segment<6>(6 * i) / start_.dt;
     const Real length = rod.element(std::min(i, rod.beams() - 1)).length;
-    Real scale = at_work[i] + negligible * everywhere;
+    Real scale = at_work[i];
     for (Index k = i; k < rod.nodes() && stretches.lead(k) == i; ++k) {
       r += stretches.on_leader(rod.poses(), k, force.segment<6>(6 * k));
       scale += force.segment<3>(6 * k).norm();
     }
+    scale += negligible * everywhere;
     const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / length);
     if (!(size <= worst.force)) worst.force = size;
     const Real relative = scale > 0 ? size / scale : 0;

@@ -74,6 +74,24 @@ TEST(KnotType, OfThrowsUponEachOther) {
   }
 }
 
+TEST(KnotType, FewerPointsDoForTheSame) {
+  const Line line = throws({{5, false}, {3, true}});
+  const Line few = simplified(line, 0.1);
+  EXPECT_LT(few.size(), line.size() / 2);
+  EXPECT_EQ(few.front(), line.front());
+  EXPECT_EQ(few.back(), line.back());
+  for (const Vec3& p : line) {
+    Real nearest = 1;
+    for (std::size_t i = 0; i + 1 < few.size(); ++i) {
+      const Vec3 way = few[i + 1] - few[i];
+      const Real part = std::clamp((p - few[i]).dot(way) / way.squaredNorm(), 0., 1.);
+      nearest = std::min(nearest, (p - few[i] - part * way).norm());
+    }
+    EXPECT_LE(nearest, 0.1 + 1e-9);
+  }
+  EXPECT_EQ(knot_type(few), knot_type(line));
+}
+
 TEST(KnotType, OfACurveThatOnlyClimbsIsNone) {
   for (const bool is_knot : {false, true}) {
     Line line;

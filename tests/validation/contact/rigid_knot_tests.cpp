@@ -43,11 +43,17 @@ TEST(RigidKnot, ChangesTheRestOfTheThreadByLessThanTwoPercent) {
   // Where it became rigid its touches still crept, by up to 'slow' for 'still_for': the force of a
   // knot of radius R falls with 1/R^2, and 5 um of 0.8 mm are 1.2 %; a step is solved to 1 %.
   EXPECT_NEAR(rigid.pull(), free.pull(), 0.02 * free.pull());
-  // Beside the knot it lies where it lay; the loop has crept by a tenth of the thickness since.
+  // Beside the knot it lies where it lay, to a fortieth of its thickness. The knot itself may roll
+  // about the line of the hands, which hold points: along that line and away from it, its loop has
+  // crept by a tenth of the thickness since.
+  const Vec3 start = free.at(0), line = (free.at(length) - start).normalized();
   for (int i = 0; i <= 50; ++i) {
-    const bool is_beside = i < 20 || i > 30;
-    const Real off = (rigid.at(length * i / 50) - free.at(length * i / 50)).norm();
-    EXPECT_LT(off, is_beside ? 2e-6 : 30e-6) << i;
+    const Vec3 a = rigid.at(length * i / 50) - start, b = free.at(length * i / 50) - start;
+    if (i < 20 || i > 30) {
+      EXPECT_LT((a - b).norm(), 5e-6) << i;
+    }
+    EXPECT_NEAR(a.dot(line), b.dot(line), 30e-6) << i;
+    EXPECT_NEAR(a.cross(line).norm(), b.cross(line).norm(), 30e-6) << i;
   }
   // The loop of an overhand knot so loose is free: the two places where strands cross are rigid.
   EXPECT_EQ(rigid.simulation().report().rows, 6);
@@ -119,10 +125,10 @@ TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
   EXPECT_NE(rigid.knots("left_throws"), 1);  // both of one hand
   EXPECT_LT(rigid.simulation().report().rows, free.simulation().report().rows / 3);
   EXPECT_NEAR(rigid.pull(), free.pull(), 0.02 * free.pull());
-  const Real before = ends(rigid), before_free = ends(free);
+  const Real before = ends(rigid), before_free = ends(free), releases = rigid.knots("releases");
   rigid.run(1.3), free.run(1.3);
   EXPECT_EQ(rigid.knots("rigid"), 0);
-  EXPECT_EQ(rigid.knots("releases"), 1);
+  EXPECT_EQ(rigid.knots("releases"), releases + 1);
   EXPECT_NEAR(rigid.pull(), free.pull(), 0.02 * free.pull());
   const Real slipped = before - ends(rigid), slipped_free = before_free - ends(free);
   EXPECT_GT(slipped_free, 0.5e-3);
