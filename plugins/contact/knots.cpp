@@ -176,7 +176,8 @@ void Knots::look_at(const TouchCluster& cluster, Real dt) {
   now.from = cluster.first(), now.to = cluster.last();
   find_ranges(cluster);
   now.load = measure(ranges_, forces_);
-  const bool rests = cluster.fastest <= slow_ * dt && now.load >= tension_;
+  // Where a tail lies across a leg, the knot is not there but where most touches are.
+  const bool rests = !cluster.is_lesser && cluster.fastest <= slow_ * dt && now.load >= tension_;
   now.quiet = rests ? now.quiet + dt : 0;
   if (!rests) now.is_typed = false;
   if (rests && now.quiet > still_for_ * (1 - 1e-9)) {
@@ -187,19 +188,20 @@ void Knots::look_at(const TouchCluster& cluster, Real dt) {
   knots_.push_back(std::move(now));
 }
 
-/// Touches beside a rigid knot are no knot of their own. Either they are at its rim; or, if the two
-/// together are another knot, that one is found as soon as all of it is free.
+/// Touches beside a tight knot are no knot of their own. Either they are at its rim; or, if the two
+/// together are another knot than the rigid one, that is found as soon as all of it is free.
 void Knots::find_type(Knot& now) {
   Knot* beside = nullptr;
   for (Knot& other : knots_)
-    if (other.is_rigid && other.from <= now.to && other.to >= now.from) beside = &other;
+    if (other.is_tight() && other.from <= now.to && other.to >= now.from) beside = &other;
   now.is_typed = true;
   if (beside == nullptr) {
     now.type = type_of(now.from, now.to);
     return;
   }
   now.type = {};
-  if (type_of(std::min(beside->from, now.from), std::max(beside->to, now.to)) == beside->type)
+  if (!beside->is_rigid ||
+      type_of(std::min(beside->from, now.from), std::max(beside->to, now.to)) == beside->type)
     return;
   free(*beside);
   now.is_typed = false;
