@@ -3,6 +3,7 @@
 // (rad), W in m/N.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <set>
@@ -113,6 +114,13 @@ class ConstraintBuilder {
   /// together do. The solver may then leave a gap of it a little wrong in one pass; the next takes
   /// that back.
   void mark_redundant(BlockId block);
+  /// The force with which a block begins whose key was not there before (N, one per row): of a
+  /// touch that has been without rows for a while.
+  template <int N>
+  void begin_with(BlockId block, const BlockVector<N>& lambda) {
+    const Index first = problem_.blocks[static_cast<std::size_t>(block.index)].first_row;
+    std::copy_n(lambda.data(), N, first_lambda_.begin() + first);
+  }
   /// Force of the first row of the block with this key in the pass before, or in the step before
   /// (N); 0 if there was none. For stiffnesses that grow with it.
   Real known_force(Key key) const;
@@ -157,7 +165,7 @@ class ConstraintBuilder {
   std::vector<Index> patch_nodes_;
   std::vector<Real> patch_values_;
   std::vector<Index> first_patch_, last_patch_;  // per block
-  std::vector<Real> gap_;
+  std::vector<Real> gap_, first_lambda_;
   Memory step_before_, pass_before_;
   Warm warm_ = Warm::step_before;
   std::set<std::string> restored_laws_;  ///< names that restored blocks view

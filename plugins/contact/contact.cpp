@@ -1,5 +1,7 @@
 #include "contact.h"
 
+#include <limits>
+
 #include "curve_curve.h"
 #include "curve_surface.h"
 #include "curve_tool.h"
@@ -121,6 +123,10 @@ void Contact::ready(Setup& setup) {
                            " mm at the start; move one of them");
 }
 
+SegmentedCurve* Contact::own_curve() const {
+  return second_ || tool_ ? nullptr : dynamic_cast<SegmentedCurve*>(first_.get());
+}
+
 void Contact::archive(Archive& a) {
   memory_.archive(a);
   a("force", force_);
@@ -146,16 +152,20 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
     axes.row(2) = t.normal.cross(Vec3(axes.row(1)));
     const Key key = make_key(source_id_, t.id);
     if (has_friction()) {
+      // A block that was not there before begins where the touch was last seen.
       Vec3 gap = axes * pair_->slip(t);
       gap.tail<2>() += t.left_over;
       gap[0] = t.gap;
       blocks_.push_back(
-          is_sticky() ? builder.add<StaticFriction>(
-                            key, {static_friction_, friction_, compliance_, slow * context.dt}, gap)
-                      : builder.add<Coulomb>(key, {friction_, compliance_}, gap));
+          is_sticky()
+              ? builder.add<StaticFriction>(
+                    key, {static_friction_, friction_, compliance_, slow * context.dt}, gap, t.mode)
+              : builder.add<Coulomb>(key, {friction_, compliance_}, gap, t.mode));
+      builder.begin_with<3>(blocks_.back(), t.lambda);
       pair_->couple(t, blocks_.back(), axes, builder);
     } else {
-      blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap)));
+      blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap), t.mode));
+      builder.begin_with<1>(blocks_.back(), BlockVector<1>(t.lambda[0]));
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }
     builder.mark_redundant(blocks_.back());
@@ -197,11 +207,17 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     closed_ += t.carries;
     largest_force_ = std::max(largest_force_, normal);
     pair_->tell_force(t, force);
-    const bool sticks =
-        has_friction() && StaticFriction::state(solved.mode(block)) == Friction::stick;
-    t.left_over = sticks ? Vec2(solved.delta(block).tail<2>()) : Vec2(Vec2::Zero());
+    t.mode = solved.mode(block);
+    t.lambda = Vec3(normal, 0, 0);
+    t.left_over.setZero();
+    t.slipped = std::numeric_limits<Real>::infinity();
+    if (!has_friction()) continue;
+    const Vec2 slip = solved.delta(block).tail<2>();
+    t.lambda = solved.lambda(block);
+    t.slipped = slip.norm();
+    if (StaticFriction::state(t.mode) == Friction::stick) t.left_over = slip;
   }
-  memory_.remember(touches_);
+  memory_.remember(touches_, *pair_);
   went_through_ = pair_->free_way() < 1;
   unseen_overlap_ = pair_->unseen_overlap(touches_);
 }

@@ -9,11 +9,13 @@
 #include "contact_memory.h"
 #include "rigid_tool.h"
 #include "sutura/describe.h"
+#include "sutura/geometry/curve_segments.h"
 
 namespace sutura::contact {
 
 class Contact : public Component, public ConstraintSource {
  public:
+  static constexpr const char* interface_name = "Contact";
   static void describe(Describe<Contact>& d);
   void initialise(Setup& setup) override;
   void ready(Setup& setup) override;
@@ -23,6 +25,11 @@ class Contact : public Component, public ConstraintSource {
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   Real free_way() const override { return pair_->free_way(); }
   std::string fault() const override;
+
+  /// Of a thread with itself; null otherwise.
+  SegmentedCurve* own_curve() const;
+  /// At the end of the last step.
+  const std::vector<Touch>& touches() const { return touches_; }
 
  private:
   void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);

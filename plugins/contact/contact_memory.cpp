@@ -36,10 +36,12 @@ void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
       taken_[best] = 1;
       t.id = met_[best].id;
       t.left_over = met_[best].left_over;
+      if (met_[best].rests) t.lambda = met_[best].lambda, t.mode = met_[best].mode;
     } else {
       t.id = next_id_++;
     }
-    places_.push_back({t.id, t.first_place, t.second_place, t.left_over});
+    places_.push_back({t.id, t.first_place, t.second_place, t.left_over, t.lambda, t.mode,
+                       best < known && met_[best].rests});
   }
   // Where they are now, and those that were not found this time where they were.
   for (std::size_t i = 0; i < known; ++i)
@@ -54,10 +56,12 @@ void ContactMemory::sort(std::vector<Known>& all) {
   });
 }
 
-void ContactMemory::remember(const std::vector<Touch>& touches) {
-  known_.clear();
+void ContactMemory::remember(const std::vector<Touch>& touches, const Pair& pair) {
+  std::erase_if(known_, [&pair](const Known& k) { return !pair.are_one(k.first, k.second); });
+  for (Known& k : known_) k.rests = true;
   for (const Touch& t : touches)
-    if (t.carries) known_.push_back({t.id, t.first_place, t.second_place, t.left_over});
+    if (t.carries)
+      known_.push_back({t.id, t.first_place, t.second_place, t.left_over, t.lambda, t.mode});
   sort(known_);
 }
 
@@ -67,6 +71,9 @@ void ContactMemory::archive(Archive& a) {
     each("first", k.first);
     each("second", k.second);
     each("left_over", k.left_over);
+    each("lambda", k.lambda);
+    each("mode", k.mode);
+    each("rests", k.rests);
   });
   a("next_id", next_id_);
 }

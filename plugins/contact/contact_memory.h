@@ -18,8 +18,9 @@ class ContactMemory : public TouchedPlaces {
   /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
   /// of this one, or a new one.
   void recognise(std::vector<Touch>& touches, const Pair& pair);
-  /// What the step ends with: those that carry force. Of one that slipped `left_over` is nothing.
-  void remember(const std::vector<Touch>& touches);
+  /// What the step ends with: those that carry force, and those that rest within a rigid body. Of
+  /// one that slipped `left_over` is nothing.
+  void remember(const std::vector<Touch>& touches, const Pair& pair);
   void archive(Archive& archive);
 
  private:
@@ -27,6 +28,9 @@ class ContactMemory : public TouchedPlaces {
     std::uint64_t id = 0;
     Real first = 0, second = 0;
     Vec2 left_over = Vec2::Zero();
+    Vec3 lambda = Vec3::Zero();
+    Mode mode = 0;
+    bool rests = false;  ///< within a rigid body
   };
   static void sort(std::vector<Known>& all);
   std::vector<Known> known_, met_;  ///< at the start of the step; in its passes

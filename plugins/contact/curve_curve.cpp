@@ -122,6 +122,7 @@ bool CurveCurve::is_lowest(Real u, Real slope, std::size_t segment, std::size_t 
 void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
                       std::vector<Touch>& out) {
   const CurveSegment &a = a_.now[i], &c = b().now[j];
+  if (is_self_ && a.rigid >= 0 && a.rigid == c.rigid) return;
   const CurveSegment &a0 = a_.start[i], &c0 = b().start[j];
   const Real R = reach(a, c);
   const Vec3 common = (a.xa - a0.xa + c.xa - c0.xa) / 2;
@@ -250,6 +251,11 @@ Pair::Tolerance CurveCurve::tolerance(const Touch& t) const {
     return segment.length() + 2 * segment.radius;
   };
   return {length(a_, t.first_place) / 4, length(b(), t.second_place) / 2};
+}
+
+bool CurveCurve::are_one(Real first, Real second) const {
+  const Index body = a_.segment_at(first).rigid;
+  return is_self_ && body >= 0 && body == a_.segment_at(second).rigid;
 }
 
 Real CurveCurve::distance() const {

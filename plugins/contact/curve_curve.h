@@ -19,6 +19,7 @@ class CurveCurve : public Pair {
                     ConstraintBuilder& builder) const override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
+  bool are_one(Real first, Real second) const override;
 
  private:
   const MovingCurve& b() const { return is_self_ ? a_ : b_; }

@@ -2,6 +2,7 @@
 #include "sutura/plugin.h"
 
 #include "contact.h"
+#include "knots.h"
 #include "rigid_tool.h"
 #include "sutura/laws/static_friction.h"
 
@@ -10,6 +11,7 @@ namespace {
 void enrol_contact(sutura::Registry& registry) {
   registry.component<sutura::contact::RigidTool>("Tool");
   registry.component<sutura::contact::Contact>("Contact");
+  registry.component<sutura::contact::Knots>("Knots");
   registry.law<sutura::StaticFriction>();
 }
 

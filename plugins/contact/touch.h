@@ -30,6 +30,9 @@ struct Touch {
   Real first_bend = 0, second_bend = 0;
   Vec3 first_tangent = Vec3::Zero(), second_tangent = Vec3::Zero();
   bool carries = false;           ///< force, at the end of the step
+  Real slipped = 0;               ///< in the step, across the normal (m); infinite without friction
+  Vec3 lambda = Vec3::Zero();     ///< what it carries, or carried when it was last seen (N)
+  Mode mode = 0;                  ///< likewise
   std::uint64_t id = 0;           ///< of the contact, never used again
   Vec2 left_over = Vec2::Zero();  ///< what sticking has missed in the steps before (m)
 };
@@ -67,6 +70,9 @@ class Pair {
   virtual Real unseen_overlap(const std::vector<Touch>& /*touches*/) { return 0; }
   /// The smallest distance between the surfaces, now (m).
   virtual Real distance() const = 0;
+  /// Do these places of the two belong to one rigid body now? Then there is no touch, and what it
+  /// was stays as it was.
+  virtual bool are_one(Real /*first*/, Real /*second*/) const { return false; }
   /// Two touches are one if their places differ by no more.
   struct Tolerance {
     Real first = 0, second = 0;

@@ -105,7 +105,8 @@ void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& 
          .ma = q.ma,
          .xb = q.xb,
          .mb = q.mb,
-         .radius = rod.section(e).radius};
+         .radius = rod.section(e).radius,
+         .rigid = rod.stretches().body_of(e)};
     if (rod.is_cut(e)) send_away(s);
   }
 }

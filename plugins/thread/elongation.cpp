@@ -37,6 +37,8 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
   ElementState s;
   for (Index first = 0; first < rod.beams(); first += interval) {
     const Index last = std::min(first + interval, rod.beams());
+    // In a rigid stretch nothing gets longer.
+    if (rod.stretches().lead(first) == rod.stretches().lead(last)) continue;
     PointJacobian J;
     J.nodes = static_cast<int>(last - first + 1);
     J.width = 6;

@@ -138,6 +138,7 @@ void Resampler::rebuild(Rod& rod) {
   clamped_ = rod.clamped();
   springs_ = rod.springs();
   old_abscissa_ = rod.abscissa();
+  stretches_ = rod.stretches().all();
   rod.build(layout_);
   const auto moved = [this](Index node) {
     const std::vector<Real>& now = layout_.abscissa;
@@ -149,6 +150,7 @@ void Resampler::rebuild(Rod& rod) {
     spring.node = moved(spring.node);
     rod.springs().push_back(spring);
   }
+  for (const RigidStretch& s : stretches_) rod.make_rigid({s.body, moved(s.first), moved(s.last)});
   rod.twist() = twist_;
   rod.velocity() = velocity_;
 }

@@ -42,6 +42,7 @@ class Resampler {
   std::vector<Real> old_abscissa_;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
+  std::vector<RigidStretch> stretches_;
   std::vector<Index> concerned_;  ///< nodes that give momentum back
 };
 

@@ -31,6 +31,7 @@ void Rod::build(const RodLayout& layout) {
   velocity_.clear(dofs());
   clamped_.clear();
   springs_.clear();
+  stretches_.clear(nodes());
 }
 
 void Rod::reserve(Index beams) {
@@ -43,6 +44,7 @@ void Rod::reserve(Index beams) {
   twist_.reserve(n);
   cut_.reserve(n);
   velocity_.reserve(6 * static_cast<Index>(n));
+  stretches_.reserve(static_cast<Index>(n));
 }
 
 void Rod::cut(Index beam) {
@@ -159,7 +161,9 @@ void Rod::archive(Archive& a) {
   if (pose_.size() != nodes || velocity_.size() != dofs() || twist_.size() + 1 != nodes ||
       cut_.size() + 1 != nodes || springs_.size() != springs)
     a.fail("the state of another thread");
-  else if (a.restoring())
+  else
+    stretches_.archive(a);
+  if (a.restoring() && a.ok())
     for (Index e = 0; e < beams(); ++e) renew(e);
   for (const NodeSpring& s : springs_)
     if (s.node < 0 || s.node >= static_cast<Index>(nodes)) a.fail("a hold of another thread");

@@ -9,6 +9,7 @@
 #include "chain_motion.h"
 #include "dof_vector.h"
 #include "element.h"
+#include "stretches.h"
 #include "sutura/body.h"
 
 namespace sutura::thread {
@@ -67,6 +68,12 @@ class Rod {
   void cut(Index beam);
   bool is_cut(Index beam) const { return cut_[static_cast<std::size_t>(beam)] != 0; }
   Index cuts() const;
+  /// Nodes first .. last move as one body from now on, whatever acts on them, and the beams between
+  /// them keep the shape and the forces that they have.
+  void make_rigid(const RigidStretch& stretch) { stretches_.add(stretch); }
+  /// The stretches of that body; false if there is none.
+  bool release(Index body) { return stretches_.remove(body); }
+  const Stretches& stretches() const { return stretches_; }
   /// A step begins at the present poses.
   void mark_start() { start_ = pose_; }
 
@@ -103,6 +110,7 @@ class Rod {
   DofVector velocity_;
   std::vector<Index> clamped_;
   std::vector<NodeSpring> springs_;
+  Stretches stretches_;
 };
 
 }  // namespace sutura::thread

@@ -85,6 +85,7 @@ void RodGuess::reserve(Index nodes) {
 
 void RodGuess::move(Rod& rod, const RodStart& start) {
   const std::vector<Pose>& from = rod.poses(Configuration::start);
+  rod.stretches().follow(from, motion);
   move_chain(from, start.twist, motion, rod.poses(), rod.twist());
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Vec3 turn = motion.segment<3>(6 * i + 3), before = tangent(from[i]);
@@ -93,6 +94,14 @@ void RodGuess::move(Rod& rod, const RodStart& start) {
         (turn + turn.dot(before) * (tangent(rod.poses()[i]) - before)) / start.dt;
   }
   evaluate(rod, start);
+}
+
+bool RodGuess::goes_straight(const Rod& rod, Index node) const {
+  const Stretches& stretches = rod.stretches();
+  if (stretches.follows(node)) return false;
+  for (Index i = node; i < rod.nodes() && stretches.lead(i) == node; ++i)
+    if (force.pushes(i) || rod.is_held(i)) return true;
+  return false;
 }
 
 void RodGuess::take_tension() {
@@ -116,7 +125,20 @@ void RodGuess::evaluate(Rod& rod, const RodStart& start) {
   }
   missing += start.dt * start.load;
   for (Index i = 0; i < rod.nodes(); ++i) at_work[i] += start.load.segment<3>(6 * i).norm();
+  gather(rod);
   for (const Index node : rod.clamped()) missing.segment<6>(6 * node).setZero();
+}
+
+/// What acts on a rigid stretch acts on its leader.
+void RodGuess::gather(const Rod& rod) {
+  const Stretches& stretches = rod.stretches();
+  if (stretches.empty()) return;
+  stretches.gather(rod.poses(), missing);
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    if (!stretches.follows(i)) continue;
+    at_work[stretches.lead(i)] += at_work[i];
+    at_work[i] = 0;
+  }
 }
 
 void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
@@ -124,7 +146,10 @@ void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
   const ElementRest& r = rod.element(e);
   const ElementState& s = beams[e];
   const ElementVelocity v(rod.velocity(), e), old(start.velocity, e);
-  const ElementGradient g = gradient(r, s);
+  // What a beam in a rigid stretch bears stays in there.
+  const bool is_rigid = rod.stretches().is_rigid(e);
+  const ElementGradient g =
+      is_rigid ? ElementGradient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()} : gradient(r, s);
   Vec3 xa = dt * g.v, xb = -xa, sa = -dt * g.a, sb = -dt * g.b;
 
   // Gravity as a uniform change of velocity is exact and free of rounding; a clamp does not fall.
@@ -139,7 +164,7 @@ void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
     sa += lever * s.ta.cross(weight);
     sb -= lever * s.tb.cross(weight);
   }
-  if (start.damping.stiffness > 0) {
+  if (start.damping.stiffness > 0 && !is_rigid) {
     const Real beta = start.damping.stiffness;
     const ElementGradient d = viscous_gradient(r, s, change_of_deformation(rod, start, *this, e));
     xa += beta * d.v;

@@ -74,13 +74,13 @@ struct RodGuess {
   void move(Rod& rod, const RodStart& start);
   /// The tension is that of the beams as they are.
   void take_tension();
-  bool goes_straight(const Rod& rod, Index node) const {
-    return force.pushes(node) || rod.is_held(node);
-  }
+  /// Where it is held or pushed; of a rigid stretch, the leader says so for all.
+  bool goes_straight(const Rod& rod, Index node) const;
 
  private:
   void evaluate(Rod& rod, const RodStart& start);
   void add_beam(const Rod& rod, const RodStart& start, Index beam);
+  void gather(const Rod& rod);
 };
 
 /// How a beam is deformed against the start of the step.

@@ -13,21 +13,22 @@ bool RodStep::buckles(const Rod& rod) {
   for (Index e = 0; e < rod.beams() && !compressed; ++e) {
     // A straight beam that inertia alone holds sideways buckles at 2 sqrt(EI m / L) / h.
     const Real least = std::sqrt(rod.element(e).bend_1 * rod.element(e).mass) / start_.dt;
-    compressed = guess_.beams[e].tension < -least;
+    compressed = !rod.stretches().is_rigid(e) && guess_.beams[e].tension < -least;
   }
   if (!compressed) return false;
   guess_.take_tension();
   assemble(rod, start_, guess_, Tangent::exact, matrix_);
   if (matrix_.factor()) return false;
   // Rounding makes a slender chain indefinite by 1e-13 of its diagonal (rod_tangent.cpp).
-  for (Index i = 0; i < rod.nodes(); ++i) matrix_.diagonal(i).diagonal() *= 1 + 1e-10;
+  for (Index i = 0; i < matrix_.blocks(); ++i) matrix_.diagonal(i).diagonal() *= 1 + 1e-10;
   return !matrix_.factor();
 }
 
 /// Along a direction of negative curvature, as far as the potential falls.
 bool RodStep::leave_saddle(Rod& rod) {
   if (!guess_.force.at.isZero(0) || !buckles(rod)) return false;
-  matrix_.negative_direction(rod.element(0).length, answer_);
+  matrix_.negative_direction(rod.element(0).length, answer_.head(6 * matrix_.blocks()));
+  rod.stretches().unpack(rod.poses(), answer_);
   const Real turn = largest_turn(rod.poses(), answer_);
   if (!(turn > 0)) return false;
   const Real downhill = guess_.missing.dot(answer_) < 0 ? -1 : 1;

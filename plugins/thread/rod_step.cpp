@@ -12,7 +12,7 @@ void RodStep::fit(const Rod& rod) {
   start_.resize(n);
   guess_.resize(n);
   way_.resize(n);
-  matrix_.resize(n);
+  matrix_.resize(rod.stretches().blocks());
   for (auto* v : {&change_, &answer_}) v->clear(6 * n);
   in_step_ = false;
 }
@@ -55,6 +55,7 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity) {
   answer_ = dt * start_.velocity;
   const bool falls = !pushed_ && !rod.is_held();
   for (Index i = 0; i < rod.nodes() && falls; ++i) answer_.segment<3>(6 * i) += dt * dt * gravity;
+  rod.stretches().spread(rod.poses(), answer_);
   if (largest_turn(rod.poses(Configuration::start), answer_) > turn_limit) return;
   way_.aim(rod, guess_, answer_);
   way_.go(rod, start_, guess_, 1);
@@ -68,16 +69,26 @@ bool RodStep::linearise(const Rod& rod, const Dofs& force) {
     if (!factor(matrix_)) return false;
   }
   change_ = guess_.missing + start_.dt * force;
-  for (const Index node : rod.clamped()) change_.segment<6>(6 * node).setZero();
-  matrix_.solve(Eigen::Ref<VecX>(change_));
+  answer(rod, change_);
   return true;
+}
+
+void RodStep::answer(const Rod& rod, Eigen::Ref<MatX> columns) const {
+  const Stretches& stretches = rod.stretches();
+  stretches.pack(rod.poses(), columns);
+  for (const Index node : rod.clamped()) columns.middleRows<6>(6 * stretches.block(node)).setZero();
+  auto free = columns.topRows(6 * matrix_.blocks());
+  if (columns.cols() == 1)
+    matrix_.solve(Eigen::Ref<VecX>(free.col(0)));
+  else
+    matrix_.solve(Eigen::Ref<MatX>(free));
+  stretches.unpack(rod.poses(), columns);
 }
 
 void RodStep::correct(Rod& rod, const Dofs& force_change) {
   guess_.force.at += force_change;
   answer_ = force_change;
-  for (const Index node : rod.clamped()) answer_.segment<6>(6 * node).setZero();
-  matrix_.solve(Eigen::Ref<VecX>(answer_));
+  answer(rod, answer_);
   change_ += start_.dt * answer_;
   take_change(rod);
 }
@@ -106,14 +117,20 @@ void RodStep::move_to(Rod& rod, const VecX& motion) {
 
 Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
   Imbalance worst;
+  const Stretches& stretches = rod.stretches();
   const std::vector<Real>& at_work = guess_.at_work;
   const Real everywhere = *std::max_element(at_work.begin(), at_work.end());
   for (Index i = 0; i < rod.nodes(); ++i) {
-    if (rod.is_clamped(i)) continue;
-    const Vec6 r = guess_.missing.segment<6>(6 * i) / start_.dt + force.segment<6>(6 * i);
+    if (rod.is_clamped(i) || stretches.follows(i)) continue;
+    Vec6 r = guess_.missing.segment<6>(6 * i) / start_.dt;
     const Real length = rod.element(std::min(i, rod.beams() - 1)).length;
+    Real scale = at_work[i];
+    for (Index k = i; k < rod.nodes() && stretches.lead(k) == i; ++k) {
+      r += stretches.on_leader(rod.poses(), k, force.segment<6>(6 * k));
+      scale += force.segment<3>(6 * k).norm();
+    }
+    scale += negligible * everywhere;
     const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / length);
-    const Real scale = at_work[i] + force.segment<3>(6 * i).norm() + negligible * everywhere;
     if (!(size <= worst.force)) worst.force = size;
     const Real relative = scale > 0 ? size / scale : 0;
     if (!(relative <= worst.relative)) worst.relative = relative;

@@ -20,7 +20,8 @@ class RodStep {
 
   RodStep() = default;
   explicit RodStep(const Rod& rod) { fit(rod); }
-  /// To be called whenever the rod was built or has got other nodes. What acts on it is zero then.
+  /// To be called whenever the rod was built, has got other nodes or other rigid stretches. What
+  /// acts on it is zero then.
   void fit(const Rod& rod);
   /// Room for so many beams: up to it, no call allocates anything.
   void reserve(Index beams);
@@ -34,6 +35,8 @@ class RodStep {
   /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
   /// if A is not positive definite.
   bool linearise(const Rod& rod, const Dofs& force);
+  /// Columns of forces (dofs x any) become A^-1 of them, with the A of the last pass.
+  void answer(const Rod& rod, Eigen::Ref<MatX> columns) const;
   /// The guess moves by that change and the answer to a change of force; only part of the way where
   /// that turns a beam too far.
   void correct(Rod& rod, const Dofs& force_change);

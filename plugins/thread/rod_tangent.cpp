@@ -37,9 +37,59 @@ void add_turning_moments(const Rod& rod, const RodGuess& guess, Real dt, BlockTr
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Vec3 t = tangent(rod.poses()[i]);
     const Mat3 product = t * guess.force.lever_at(i, rod.poses()[i]).transpose();
-    matrix.diagonal(i).bottomRightCorner<3, 3>() -= dt * dt / 2 * (product + product.transpose());
+    matrix.diagonal(rod.stretches().block(i)).bottomRightCorner<3, 3>() -=
+        dt * dt / 2 * (product + product.transpose());
   }
 }
+
+/// The derivative of the moments that forces on followers have about their leaders: their arms
+/// turn.
+void add_turning_arms(const Rod& rod, const RodStart& start, const RodGuess& guess,
+                      BlockTridiagonal& matrix) {
+  const std::vector<Pose>& poses = rod.poses();
+  const auto add = [&](Index node, const Vec3& force) {
+    const Vec3 arm = rod.stretches().arm(poses, node);
+    const Mat3 product = arm * force.transpose();
+    matrix.diagonal(rod.stretches().block(node)).bottomRightCorner<3, 3>() +=
+        start.dt * start.dt *
+        (force.dot(arm) * Mat3::Identity() - (product + product.transpose()) / 2);
+  };
+  for (const RigidStretch& s : rod.stretches().all()) {
+    for (Index i = s.first + 1; i <= s.last; ++i)
+      add(i, start.load.segment<3>(6 * i) + guess.force.at.segment<3>(6 * i));
+    if (s.last == rod.beams()) continue;
+    ElementState beyond = guess.beams[s.last];
+    beyond.tension = guess.tension[s.last];
+    add(s.last, gradient(rod.element(s.last), beyond).v);
+  }
+  for (const NodeSpring& spring : rod.springs())
+    if (spring.active) add(spring.node, spring.wrench(poses[spring.node]).force);
+}
+
+/// What blocks on a node become on its leader: T^T A T, T the rigid motion of the node.
+Mat6 rigid_motion(const Rod& rod, Index node) {
+  Mat6 T = Mat6::Identity();
+  if (rod.stretches().follows(node))
+    T.topRightCorner<3, 3>() = -cross_matrix(rod.stretches().arm(rod.poses(), node));
+  return T;
+}
+
+/// The blocks of a beam that ends at a follower.
+struct BeamBlocks {
+  Mat6 a, b, up;
+  void add_to(const Rod& rod, Index e, BlockTridiagonal& matrix) const {
+    const Mat6 Ta = rigid_motion(rod, e), Tb = rigid_motion(rod, e + 1);
+    const Index to_a = rod.stretches().block(e), to_b = rod.stretches().block(e + 1);
+    const Mat6 across = Ta.transpose() * up * Tb, own = Tb.transpose() * b * Tb;
+    matrix.diagonal(to_a) += Ta.transpose() * a * Ta;
+    if (to_a == to_b) {
+      matrix.diagonal(to_a) += own + across + across.transpose();
+    } else {
+      matrix.diagonal(to_b) = own;
+      matrix.upper(to_a) = across;
+    }
+  }
+};
 
 }  // namespace
 
@@ -49,15 +99,24 @@ void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tang
   const Real mass_factor = 1 + dt * start.damping.mass;
   const Real stiffness_factor = dt * (dt + start.damping.stiffness);
   matrix.diagonal(0).setZero();
+  const Mat3 zero = Mat3::Zero();
   ElementMatrix k;
+  BeamBlocks alone;
   for (Index e = 0; e < rod.beams(); ++e) {
-    stiffness(rod, start, guess, e, tangent, k);
+    const Stretches& stretches = rod.stretches();
+    if (stretches.is_rigid(e))
+      k = {zero, zero, zero, zero, zero, zero};
+    else
+      stiffness(rod, start, guess, e, tangent, k);
+    const bool at_follower = stretches.follows(e) || stretches.follows(e + 1);
     const ElementMass& m = rod.inertia(e);
     const ElementState& s = guess.beams[e];
 
-    Mat6& da = matrix.diagonal(e);
-    Mat6& db = matrix.diagonal(e + 1);
-    Mat6& up = matrix.upper(e);
+    const Index block = stretches.block(e);
+    Mat6& da = at_follower ? alone.a : matrix.diagonal(block);
+    Mat6& db = at_follower ? alone.b : matrix.diagonal(block + 1);
+    Mat6& up = at_follower ? alone.up : matrix.upper(block);
+    if (at_follower) da.setZero();
     const Mat3 ee = s.e * s.e.transpose();
     const Mat3 vv = stiffness_factor * k.vv;
     const auto plus_diagonal = [](Mat3 a, Real c) {
@@ -90,16 +149,22 @@ void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tang
     up.bottomRightCorner<3, 3>() =
         plus_diagonal(stiffness_factor * k.ab + ro * ee - so * (s.tb * s.ta.transpose()),
                       so * s.ta.dot(s.tb) + ro);
+    if (at_follower) alone.add_to(rod, e, matrix);
   }
-  if (tangent == Tangent::exact) add_turning_moments(rod, guess, dt, matrix);
+  if (tangent == Tangent::exact) {
+    add_turning_moments(rod, guess, dt, matrix);
+    add_turning_arms(rod, start, guess, matrix);
+  }
   for (const NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
-    auto diagonal = matrix.diagonal(spring.node).diagonal().array();
-    diagonal.head<3>() += dt * dt * spring.stiffness.translation;
-    diagonal.tail<3>() += dt * dt * spring.stiffness.rotation;
+    Vec6 own;
+    own << Vec3::Constant(dt * dt * spring.stiffness.translation),
+        Vec3::Constant(dt * dt * spring.stiffness.rotation);
+    const Mat6 T = rigid_motion(rod, spring.node);
+    matrix.diagonal(rod.stretches().block(spring.node)) += T.transpose() * own.asDiagonal() * T;
   }
   for (const Index node : rod.clamped())
-    for (int d = 0; d < 6; ++d) matrix.fix(node, d);
+    for (int d = 0; d < 6; ++d) matrix.fix(rod.stretches().block(node), d);
 }
 
 // Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about

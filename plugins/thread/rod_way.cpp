@@ -32,7 +32,7 @@ void RodWay::aim(const Rod& rod, const RodGuess& guess, const Dofs& answer) {
     // The gap of a cut takes up whatever does not fit.
     const Real axial =
         rod.is_cut(e) ? 1e-9 * rod.section(e).axial_stiffness() : rod.element(e).axial;
-    give_[e + 1] = give_[e] + rod.element(e).length / axial;
+    give_[e + 1] = give_[e] + (rod.stretches().is_rigid(e) ? 0 : rod.element(e).length / axial);
     strain_[e] = s.strain;
     strain_change_[e] = strain_gradient(rod.element(e), s).dot(beam_motion(answer, e));
   }
@@ -54,18 +54,29 @@ void RodWay::go(Rod& rod, const RodStart& start, RodGuess& guess, Real part) {
   Index anchor = -1;
   Pose a, b;  // of a beam, in axes of its own first node
   a.position.setZero();
+  const Stretches& stretches = rod.stretches();
+  Quat stretch_turn = Quat::Identity();  // of the rigid stretch that node i is in, since the start
   ElementState s;
   for (Index i = 0; i < rod.nodes(); ++i) {
-    b.rotation = turned(begin[i].rotation, motion.segment<3>(6 * i + 3));
+    if (stretches.follows(i)) {
+      b.rotation = stretch_turn * begin[i].rotation;
+    } else {
+      b.rotation = turned(begin[i].rotation, motion.segment<3>(6 * i + 3));
+      stretch_turn = b.rotation * begin[i].rotation.conjugate();
+    }
     if (i > 0) {
       const Index e = i - 1;
       const Vec3& chord = chord_[e];
       const Vec3 change = part * (direction_.segment<3>(6 * i) - direction_.segment<3>(6 * e));
-      const Vec3 turn = chord.cross(change) / chord.squaredNorm();
-      b.position = rotated(Quat::Identity(), turn) * chord;
-      evaluate(rod.element(e), a, b, rod.twist()[e], s);
-      const Real due = strain_[e] + part * strain_change_[e];
-      b.position *= 1 + (due - s.strain) * rod.element(e).length / s.l;
+      if (stretches.is_rigid(e)) {
+        b.position = stretch_turn * (begin[i].position - begin[e].position);
+      } else {
+        const Vec3 turn = chord.cross(change) / chord.squaredNorm();
+        b.position = rotated(Quat::Identity(), turn) * chord;
+        evaluate(rod.element(e), a, b, rod.twist()[e], s);
+        const Real due = strain_[e] + part * strain_change_[e];
+        b.position *= 1 + (due - s.strain) * rod.element(e).length / s.l;
+      }
       drift += b.position - chord - change;
     }
     drift_[i] = drift;

@@ -66,7 +66,9 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   angle.assign(static_cast<std::size_t>(n), 0);
   split.assign(static_cast<std::size_t>(n), 0);
   const auto length = [&](Index e) { return s[e + 1] - s[e]; };
-  const auto fixed = [&](Index e) { return s[e] < rules.from - 1e-9; };
+  const auto fixed = [&](Index e) {
+    return s[e] < rules.from - 1e-9 || rod.stretches().is_rigid(e);
+  };
   for (Index e = 0; e < n; ++e) {
     if (fixed(e)) continue;
     angle[e] = turning_angle(rod, e);
@@ -95,8 +97,8 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   Index last_merged = -2;  // second beam of the last merged pair
   for (Index e = 0; e < n; ++e) {
     // May node e + 1 go? Its two beams become one; neighbours must stand the longer one.
-    bool merge = e + 1 < n && !fixed(e) && e != last_merged && !split[e] && !split[e + 1] &&
-                 !is_forced(s[e + 1]);
+    bool merge = e + 1 < n && !fixed(e) && !fixed(e + 1) && e != last_merged && !split[e] &&
+                 !split[e + 1] && !is_forced(s[e + 1]);
     if (merge) {
       const Real L = length(e) + length(e + 1), theta = angle[e] + angle[e + 1];
       const Real left =

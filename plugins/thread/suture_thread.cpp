@@ -24,6 +24,7 @@ void SutureThread::archive(Archive& a) {
   if (!a.ok()) return;
   if (a.restoring() && nodes != rod_.abscissa()) lay_out(std::move(nodes));
   rod_.archive(a);
+  if (a.restoring() && a.ok()) step_.fit(rod_);
   step_.archive(a, rod_);
   a("factored", factored_);
 }
@@ -142,7 +143,13 @@ void SutureThread::end_step(const StepContext&, const VecX& force) {
 }
 
 void SutureThread::cut(Real s) {
-  rod_.cut(place(rod_, s).beam);
+  cut_beam(place(rod_, s).beam);
+}
+
+/// What is cut is rigid no more.
+void SutureThread::cut_beam(Index beam) {
+  if (rod_.stretches().is_rigid(beam)) release(rod_.stretches().body_of(beam));
+  rod_.cut(beam);
 }
 
 std::string SutureThread::uncuttable() const {
@@ -160,7 +167,7 @@ void SutureThread::break_where_too_taut() {
     most = s.tension;
     weakest = e;
   }
-  if (weakest >= 0) rod_.cut(weakest);
+  if (weakest >= 0) cut_beam(weakest);
 }
 
 void SutureThread::resample() {
@@ -172,12 +179,7 @@ void SutureThread::resample() {
 }
 
 void SutureThread::solve(Eigen::Ref<MatX> columns) const {
-  for (const Index node : rod_.clamped()) columns.middleRows<6>(6 * node).setZero();
-  step_.matrix().solve(columns);
-}
-
-void SutureThread::add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const {
-  compliance_.add(step_.matrix(), rod_.clamped(), rows, dt, W);
+  step_.answer(rod_, columns);
 }
 
 std::string SutureThread::trouble() const {

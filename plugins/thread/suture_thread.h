@@ -14,7 +14,10 @@
 
 namespace sutura::thread {
 
-class SutureThread : public Component, public SegmentedCurve, public Cuttable {
+class SutureThread : public Component,
+                     public SegmentedCurve,
+                     public Cuttable,
+                     public RigidStretches {
  public:
   static constexpr const char* interface_name = "SutureThread";
   enum class Clamp { none, start, end, both };
@@ -100,6 +103,13 @@ class SutureThread : public Component, public SegmentedCurve, public Cuttable {
   void cut(Real s) override;
   std::string uncuttable() const override;
 
+  // RigidStretches
+  std::optional<std::pair<Real, Real>> rigid_range(Real from, Real to) const override;
+  void make_rigid(Index body, Real from, Real to) override;
+  void release(Index body) override;
+  bool is_rigid(Index body) const override;
+  Wrench end_wrench(Real s, bool of_the_one_before) const override;
+
   /// To the load of the step: on the section of a hold, which need not be closed.
   void add_load(Index hold, const Wrench& wrench);
   /// Of the beam at s: mean curvature (1/m), twist per length (rad/m) and axial force (N).
@@ -127,6 +137,8 @@ class SutureThread : public Component, public SegmentedCurve, public Cuttable {
   Real drawn_radius(Real s) const;
   void resample();
   void break_where_too_taut();
+  void cut_beam(Index beam);
+  Index node_at(Real s) const;
 
   Rod rod_;
   RodStep step_;
@@ -136,6 +148,8 @@ class SutureThread : public Component, public SegmentedCurve, public Cuttable {
   SamplingWork sampling_work_;
   std::vector<Real> holds_;  ///< abscissae
   mutable ChainCompliance compliance_;
+  mutable BodyRows led_rows_;  ///< of the chain without followers
+  mutable std::vector<Index> led_clamps_;
   bool factored_ = true;
 };
 

@@ -68,6 +68,7 @@ void ConstraintBuilder::begin(Warm warm) {
   first_patch_.clear();
   last_patch_.clear();
   gap_.clear();
+  first_lambda_.clear();
 }
 
 BlockId ConstraintBuilder::add_block(const LawOperations* law, Key key, const void* params,
@@ -86,6 +87,7 @@ BlockId ConstraintBuilder::add_block(const LawOperations* law, Key key, const vo
   std::memcpy(problem_.params.data() + at, params, law->params_size);
 
   gap_.insert(gap_.end(), gap, gap + law->dim);
+  first_lambda_.resize(gap_.size(), 0);
   problem_.blocks.push_back(block);
   first_patch_.push_back(-1);
   last_patch_.push_back(-1);
@@ -172,7 +174,7 @@ void ConstraintBuilder::finish() {
   problem_.gap = Eigen::Map<const VecX>(gap_.data(), rows);
   problem_.d_free = problem_.gap;
   problem_.delta = problem_.gap;
-  problem_.lambda.setZero(rows);
+  problem_.lambda = Eigen::Map<const VecX>(first_lambda_.data(), rows);
   const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
   for (ConstraintBlock& b : problem_.blocks) {
     const Known* old = memory.find(b.key);

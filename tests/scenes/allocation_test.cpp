@@ -8,6 +8,7 @@
 
 #include "count_allocations.h"
 #include "scenes/suture_tasks.h"
+#include "scenes/text_run.h"
 #include "scenes/watched_run.h"
 
 #ifdef SUTURA_COUNTS_ALLOCATIONS
@@ -61,6 +62,21 @@ TEST_P(SecondRun, AllocatesNothing) {
   }
   EXPECT_GT(counted, 80);
   EXPECT_GT(rows, 10);
+}
+
+// Whether it is free or rigid. To become the one or the other takes a little.
+TEST(Knots, AllocateNothingWhileNothingChanges) {
+  for (const bool rigid : {false, true}) {
+    TextRun run =
+        TextRun::file("components/Knots.xml", {{"/knots.rigidify", rigid ? "true" : "false"}});
+    ASSERT_TRUE(run);
+    run.run(0.42);
+    EXPECT_EQ(run.number("/knots", "rigid"), rigid);
+    count_only_our_own();
+    const long before = test::allocations();
+    run.run(0.45);
+    EXPECT_EQ(test::allocations(), before) << rigid;
+  }
 }
 
 std::vector<fs::path> touching_scenes() {

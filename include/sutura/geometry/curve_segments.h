@@ -1,6 +1,8 @@
 // A curve as its segments: what contact, viewers and haptics ask of a thread.
 #pragma once
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "sutura/body.h"
@@ -13,6 +15,7 @@ struct CurveSegment {
   Real from = 0, to = 0;  ///< abscissae of its ends (m)
   Vec3 xa, ma, xb, mb;    ///< ends, and tangents there times the length at rest (m)
   Real radius = 0;        ///< of the section (m)
+  Index rigid = -1;       ///< which rigid body it is part of; -1: none
 
   Real length() const { return to - from; }
   Real abscissa(Real u) const { return from + u * (to - from); }
@@ -42,6 +45,27 @@ class SegmentedCurve : public CurveBody {
   /// As `jacobian`, of the material point that is away from the centre of section s by `arm` (m,
   /// world axes, at the guess). Exact for rigid motions, so that a force on it has its moment.
   virtual void surface_jacobian(Real s, const Vec3& arm, PointJacobian& out) const = 0;
+};
+
+/// A curve stretches of which may move as rigid bodies for a while. Between two steps.
+class RigidStretches {
+ public:
+  static constexpr const char* interface_name = "RigidStretches";
+  virtual ~RigidStretches() = default;
+  /// Where a stretch between these abscissae would begin and end: at segments that contain them.
+  /// Of segments that bear nothing (cut) and of such that are rigid already, none.
+  virtual std::optional<std::pair<Real, Real>> rigid_range(Real from, Real to) const = 0;
+  /// The segments between two ends that `rigid_range` gave keep their shape from now on. Stretches
+  /// of the same `body` are not held together by the curve: who makes them so does that.
+  virtual void make_rigid(Index body, Real from, Real to) = 0;
+  /// All stretches of that body are as free as before, with the forces in them that they had then.
+  virtual void release(Index body) = 0;
+  /// Whether there is such a body still: what is cut is rigid no more.
+  virtual bool is_rigid(Index body) const = 0;
+  /// What the segment that ends at s, or the one that begins there, exerts on what is beyond its
+  /// end s, at the end of the last step (N; N m about the centre of the section). Zero where the
+  /// curve ends.
+  virtual Wrench end_wrench(Real s, bool of_the_one_before) const = 0;
 };
 
 }  // namespace sutura

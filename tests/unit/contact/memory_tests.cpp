@@ -71,7 +71,7 @@ TEST(ContactMemory, OnlyWhatCarriesIsKnownInTheNextStep) {
   memory.recognise(now, Near());
   now[1].carries = true;
   now[1].left_over = Vec2(1e-7, 0);
-  memory.remember(now);
+  memory.remember(now, Near());
   memory.begin_step();
   auto next = touches({{1, 0}, {-2, 0}});
   memory.recognise(next, Near());

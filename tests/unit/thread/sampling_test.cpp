@@ -46,6 +46,23 @@ int settle(Rod& rod, const SamplingRules& rules, int most = 30) {
   return most;
 }
 
+// Nodes come and go around a rigid stretch; its own stay, and it is the same stretch.
+TEST(Sampling, LeavesARigidStretchAlone) {
+  Rod rod = plane_rod(20, [](Real s) { return 3 * std::sin(30 * s); });
+  rod.make_rigid({7, 5, 9});
+  const std::vector<Pose> before = rod.poses();
+  EXPECT_GT(settle(rod, {.angle = 0.3, .shortest = 1e-3}), 0);
+  ASSERT_GT(rod.nodes(), 30);
+  ASSERT_EQ(rod.stretches().all().size(), 1u);
+  const RigidStretch now = rod.stretches().all().front();
+  EXPECT_EQ(now.body, 7);
+  ASSERT_EQ(now.last - now.first, 4);
+  for (Index i = 0; i <= 4; ++i) {
+    EXPECT_NEAR(rod.abscissa()[now.first + i], length * static_cast<Real>(5 + i) / 20, 1e-12);
+    EXPECT_EQ(rod.poses()[now.first + i].position, before[5 + i].position);
+  }
+}
+
 TEST(Sampling, AnSIsNotStraight) {
   // End tangents of the beam agree: the angle between them says straight, its integral does not.
   Rod s_shape =
