@@ -17,22 +17,22 @@ HAND = (19.97, -24.39, 40.88)     # where the hand takes the strand
 END = (10.0, 0.5, 9.6)          # where the tail is held for the first throw
 TAIL_END = (-6.6, 15.2, 4.0)     # where the tail is when the thread has been drawn through
 
-HELD_2 = (9.7, 0.0, 3.0)       # where an assistant takes the tail after the first throw
+HELD_2 = (11.8, 0.0, 3.2)      # where an assistant takes the tail after the first throw
+RADIUS = 10.9
 LONG_2, TAIL_2 = 49.0, 12.3    # from the first throw to the hand and to the end of the tail
-END_2 = (9.6, -0.5, 5.5)        # where the end of the tail is for the second throw, from the place of that
+END_2 = (9.37, 0.4, 6.0)        # where the end of the tail is for the second throw, from the place of that
 
 if __name__ == "__main__":
     one = Throw(place=(0, 0, 0), apart=APART, long=LONG, tail=TAIL - APART, end_of_tail=plus(END, (0.5, 0, 0.4)), pull=5.0, took=1.2, start=5.4)
     hand = [(5.2, *HAND, "the hand takes the strand"), (5.35, *HAND, "the hand takes the strand")] + one.hand
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=3.0, took=2.0,
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, ease=-0.5, pull=3.0, took=2.0,
                 end_of_tail=END_2, start=one.end + 0.2)
     let_go = one.end + 0.85
-    away = [(let_go - 0.05, *one.jaws[-1][1:4], "the jaws let go"), (let_go + 0.3, 45, 0, 10, "the jaws go away")]
-    help = [(let_go - 0.05, *HELD_2, "the tail is held")]
+    away = [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"), (let_go + 0.3, 45, 0, 10, "the jaws go away")]
+    help = [(let_go - 0.05, *HELD_2, "the tail is held"), (let_go, *HELD_2, "the tail is held")]
     for i in range(1, 6):
-        a = math.radians(15 + 128 * i / 5)
-        r = HELD_2[0]
-        help.append((let_go + 0.2 * i, 0.2 + 0.96 * r * math.cos(a), 0.1 * i, 0.5 + 0.96 * r * math.sin(a), "the tail is laid over"))
+        a = math.radians(15 + 132 * i / 5)
+        help.append((let_go + 0.2 * i, 0.2 + RADIUS * math.cos(a), 0.12 * i, 0.5 + RADIUS * math.sin(a), "the tail is laid over"))
     tail = [(0.3, -71.45, 23.04, 28.06, "the tail follows"), (1.6, -60, 17, 13, "the tail follows"),
             (3.0, -48, 15, 10, "the tail follows"), (5.0, *TAIL_END, "the tail is drawn in"), (5.4, -4, 6, 14.5, "and laid over"), (5.8, 5, 3, 14, "and laid over"), (6.1, *END, "and laid over")]
     table(HERE / "interrupted_hand.csv", hand + two.hand)
