@@ -37,20 +37,21 @@ class Throw:
     beside  by how much the long strand lies before the tail
     jaw     radius of the closed jaws and the thread together
     give    by how much the hand gives way while it draws the strand taut
-    ease    likewise, while the loop slides off the jaws and along the tail: as `give` where it is left out
     pull    likewise, when the throw is tightened
     took    what the throw and what is in it take of the tail
     end_of_tail  in the throw's own axes, where the tail does not lie as said, but is held somewhere
+    bite    by how much the jaws go over the end of the tail, where they are two blades with a gap; then `end_of_tail` is
+            where their tip comes to
     start   0: the thread lies as it is laid out; later: the hand and the tail come from wherever they are
 
     The jaws point to the other side of the long strand; `side` -1 turns them round in the scene. A second throw makes a square knot with the other side and the same front, a granny with both changed.
     """
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
-                 give=1.0, ease=None, pull=10.0, took=2.4, end_of_tail=None, start=0.0):
+                 give=1.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
         self.turns, self.long, self.tail, self.jaw = turns, long, tail, jaw
-        self.time, self.hand, self.jaws = start, [], []
+        self.bite, self.time, self.hand, self.jaws = bite, start, [], []
         a = math.radians(lean)
         aslant = beside / (apart * (1.5 * math.pi - a))  # of the thread that goes round: a helix
         self.foot = (-apart * math.sin(a), beside / 2, apart * math.cos(a))
@@ -60,7 +61,7 @@ class Throw:
         self.from_here = (apart, -beside / 2, 0)
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
         self.wind(give)
-        self.take(give, give if ease is None else ease)
+        self.take(give)
         self.tighten(pull, took)
 
     def key(self, seconds, hand, tip, what):
@@ -101,7 +102,7 @@ class Throw:
         self.wound = 20 * steps
         self.behind = behind
 
-    def take(self, give, ease):
+    def take(self, give):
         """The jaws meet the end of the tail, and the hand pulls along them until they have it, so that the loop stays.
         Then the hand goes to the other side, and the loop slides over the tip and along the tail."""
         end, back = self.end_of_tail, self.behind
@@ -109,15 +110,15 @@ class Throw:
         def both(seconds, tip, towards, what):
             self.key(seconds, self.taut(plus(tip, (back, 0, 0)), self.wound, towards, give), tip, what)
 
-        before = plus(end, (2, 0, 0))
+        before = plus(end, (2 + self.bite, 0, 0))
         both(0.3, plus(before, (0, -8, 0)), (0.6, -1, 0.1), "jaws and loop go to the tail")
         both(0.3, before, (0.7, -1, 0.1), "jaws and loop go to the tail")
         both(0.15, end, (0.7, -1, 0.1), "the tip touches the end of the tail")
-        self.grasp = self.time + 0.05
+        self.touch, self.grasp = self.time, self.time + 0.05
         both(0.1, end, (0.7, -1, 0.1), "the jaws take it")
         for part, towards in ((0.7, (-0.3, -1, 0)), (0.3, (-1, -0.8, -0.1))):
             loop = plus(self.foot, plus(end, self.foot, -1), part)
-            self.key(0.4, self.taut(loop, self.wound, towards, ease), end, "the loop slides along the tail")
+            self.key(0.4, self.taut(loop, self.wound, towards, give), end, "the loop slides along the tail")
         self.let_go = self.time + 0.2
 
     def tighten(self, pull, took):

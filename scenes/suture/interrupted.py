@@ -14,19 +14,36 @@ from throws import Throw, plus, table  # noqa: E402
 APART = 3.1                    # half of the distance of the two mouths of the channel
 LONG, TAIL = 51.2, 16.8        # from the mouths to the hand and to the hold of the tail
 HAND = (19.97, -24.39, 40.88)     # where the hand takes the strand
-END = (10.0, 0.5, 9.6)          # where the tail is held for the first throw
+END = (11.3, 0.5, 7.6)         # where the tail is held for the first throw
+TAKEN = (9.9, 0.5, 6.9)        # where the jaws take it
 TAIL_END = (-6.6, 15.2, 4.0)     # where the tail is when the thread has been drawn through
 
 HELD_2 = (11.8, 0.0, 3.2)      # where an assistant takes the tail after the first throw
 RADIUS = 10.9
 LONG_2, TAIL_2 = 49.0, 12.3    # from the first throw to the hand and to the end of the tail
-END_2 = (9.37, 0.4, 6.0)        # where the end of the tail is for the second throw, from the place of that
+TAKEN_2 = (7.4, 0.55, 5.2)      # where the jaws take it, from the place of the second throw
+
+OPEN, CLOSED = 1.1, 0.62       # from the middle of the jaws to the axis of a blade
+
+
+def blades(name, throw, more):
+    """The way of the jaws, and those of their two blades, which close on the tail when the tip is there."""
+    table(HERE / f"{name}.csv", throw.jaws + more)
+    for blade, side in (("front", -1), ("back", 1)):
+        keys = []
+        for t, x, y, z, what in throw.jaws + more:
+            apart = OPEN if t <= throw.touch else CLOSED
+            keys.append((t if t <= throw.touch else max(t, throw.touch + 0.08), x, y + side * apart, z, what))
+            if t == throw.touch:
+                keys.append((t + 0.08, x, y + side * CLOSED, z, "the blades close"))
+        table(HERE / f"{name}_{blade}.csv", keys)
+
 
 if __name__ == "__main__":
-    one = Throw(place=(0, 0, 0), apart=APART, long=LONG, tail=TAIL - APART, end_of_tail=plus(END, (0.5, 0, 0.4)), pull=5.0, took=1.2, start=5.4)
+    one = Throw(place=(0, 0, 0), apart=APART, long=LONG, tail=TAIL - APART, end_of_tail=TAKEN, bite=2.0, jaw=1.2, pull=5.0, took=1.2, start=5.4)
     hand = [(5.2, *HAND, "the hand takes the strand"), (5.35, *HAND, "the hand takes the strand")] + one.hand
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, ease=-0.5, pull=3.0, took=2.0,
-                end_of_tail=END_2, start=one.end + 0.2)
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=3.0, took=2.0,
+                end_of_tail=TAKEN_2, bite=2.0, jaw=1.2, start=one.end + 0.2)
     let_go = one.end + 0.85
     away = [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"), (let_go + 0.3, 45, 0, 10, "the jaws go away")]
     help = [(let_go - 0.05, *HELD_2, "the tail is held"), (let_go, *HELD_2, "the tail is held")]
@@ -36,8 +53,8 @@ if __name__ == "__main__":
     tail = [(0.3, -71.45, 23.04, 28.06, "the tail follows"), (1.6, -60, 17, 13, "the tail follows"),
             (3.0, -48, 15, 10, "the tail follows"), (5.0, *TAIL_END, "the tail is drawn in"), (5.4, -4, 6, 14.5, "and laid over"), (5.8, 5, 3, 14, "and laid over"), (6.1, *END, "and laid over")]
     table(HERE / "interrupted_hand.csv", hand + two.hand)
-    table(HERE / "interrupted_jaws.csv", one.jaws + away)
-    table(HERE / "interrupted_other_jaws.csv", two.jaws)
+    blades("interrupted_jaws", one, away)
+    blades("interrupted_other_jaws", two, [])
     table(HERE / "interrupted_assistant.csv", help)
     table(HERE / "interrupted_tail.csv", tail)
     print(f"let go {let_go:.4g} s, grasp {two.grasp:.4g} s, end {two.end:.4g} s")
