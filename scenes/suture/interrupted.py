@@ -20,7 +20,7 @@ TAIL_END = (-6.6, 15.2, 4.0)     # where the tail is when the thread has been dr
 
 HELD_2 = (13.5, 0.0, 3.9)      # where an assistant takes the tail after the first throw
 RADIUS = 12.4
-LONG_2, TAIL_2 = 49.0, 12.3    # from the first throw to the hand and to the end of the tail
+LONG_2, TAIL_2 = 49.3, 12.3    # from the first throw to the hand and to the end of the tail
 TAKEN_2 = (9.8, 0.6, 4.4)      # where the jaws take it, from the place of the second throw
 
 OPEN, CLOSED = 1.1, 0.62       # from the middle of the jaws to the axis of a blade
@@ -52,22 +52,25 @@ def blades(name, throw, more):
 
 if __name__ == "__main__":
     one = Throw(place=(0, 0, 0), apart=APART, long=LONG, tail=TAIL - APART, end_of_tail=TAKEN, bite=2.0, jaw=1.2, pull=5.0, took=1.2, start=5.4)
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=3.0, took=2.0,
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=4.0, took=1.8,
                 end_of_tail=TAKEN_2, bite=2.0, jaw=1.2, start=one.end + 0.3)
     (t0, *from_here, _), (t1, *to, _) = one.hand[-1], two.hand[0]
     between = [(t0 + u * (t1 - t0), *p, "the strand is drawn to the front") for u, p in swing(from_here, to, (0, 0, 0.5), 5)]
     hand = [(5.2, *HAND, "the hand takes the strand"), (5.35, *HAND, "the hand takes the strand")] + one.hand
     let_go = one.end + 0.85
     away = [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"), (let_go + 0.3, 45, 0, 10, "the jaws go away")]
+    gone = two.end + 0.55
+    off = [(gone, *two.jaws[-1][1:4], "the ends are cut, and all go away"), (gone + 0.4, -45, 0, 15, "the ends are cut, and all go away")]
+    leave = [(gone, *two.hand[-1][1:4], "the ends are cut, and all go away"), (gone + 0.4, 70, 0, 20, "the ends are cut, and all go away")]
     help = [(let_go - 0.05, *HELD_2, "the tail is held"), (let_go, *HELD_2, "the tail is held")]
     for i in range(1, 6):
         a = math.radians(15 + 143 * i / 5)
         help.append((let_go + 0.2 * i, 0.2 + RADIUS * math.cos(a), 0.12 * i, 0.5 + RADIUS * math.sin(a), "the tail is laid over"))
     tail = [(0.3, -71.45, 23.04, 28.06, "the tail follows"), (1.6, -60, 17, 13, "the tail follows"),
             (3.0, -48, 15, 10, "the tail follows"), (5.0, *TAIL_END, "the tail is drawn in"), (5.4, -4, 6, 14.5, "and laid over"), (5.8, 5, 3, 14, "and laid over"), (6.1, *END, "and laid over")]
-    table(HERE / "interrupted_hand.csv", hand + between + two.hand)
+    table(HERE / "interrupted_hand.csv", hand + between + two.hand + leave)
     blades("interrupted_jaws", one, away)
-    blades("interrupted_other_jaws", two, [])
+    blades("interrupted_other_jaws", two, off)
     table(HERE / "interrupted_assistant.csv", help)
     table(HERE / "interrupted_tail.csv", tail)
     print(f"let go {let_go:.4g} s, grasp {two.grasp:.4g} s, end {two.end:.4g} s")
