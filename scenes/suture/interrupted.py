@@ -20,10 +20,13 @@ TAIL_END = (-6.6, 15.2, 4.0)     # where the tail is when the thread has been dr
 
 HELD_2 = (13.5, 0.0, 3.9)      # where an assistant takes the tail after the first throw
 RADIUS = 12.4
-LONG_2, TAIL_2 = 49.3, 12.3    # from the first throw to the hand and to the end of the tail
+LONG_2, TAIL_2 = 49.0, 12.3    # from the first throw to the hand and to the end of the tail
 TAKEN_2 = (9.8, 0.6, 4.4)      # where the jaws take it, from the place of the second throw
 
 OPEN, CLOSED = 1.1, 0.62       # from the middle of the jaws to the axis of a blade
+
+
+FINE = tuple(0.95 - 0.05 * i for i in range(14))
 
 
 def swing(start, end, middle, count):
@@ -52,8 +55,8 @@ def blades(name, throw, more):
 
 if __name__ == "__main__":
     one = Throw(place=(0, 0, 0), apart=APART, long=LONG, tail=TAIL - APART, end_of_tail=TAKEN, bite=2.0, jaw=1.2, pull=5.0, took=1.2, start=5.4)
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=4.0, took=1.8,
-                end_of_tail=TAKEN_2, bite=2.0, jaw=1.2, start=one.end + 0.3)
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=-1.0, took=1.8,
+                end_of_tail=TAKEN_2, bite=2.0, jaw=1.2, slide=FINE, draw=2.0, start=one.end + 0.3)
     (t0, *from_here, _), (t1, *to, _) = one.hand[-1], two.hand[0]
     between = [(t0 + u * (t1 - t0), *p, "the strand is drawn to the front") for u, p in swing(from_here, to, (0, 0, 0.5), 5)]
     hand = [(5.2, *HAND, "the hand takes the strand"), (5.35, *HAND, "the hand takes the strand")] + one.hand
