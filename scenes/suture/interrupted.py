@@ -19,8 +19,8 @@ TAKEN = (10.7, 0.5, 4.8)        # where the jaws take it
 TAIL_END = (-6.6, 15.2, 4.0)     # where the tail is when the thread has been drawn through
 
 HELD_2 = (13.5, 0.0, 3.9)      # where an assistant takes the tail after the first throw
-RADIUS = 12.8
-LONG_2, TAIL_2 = 49.0, 12.3    # from the first throw to the hand and to the end of the tail
+RADIUS = 12.4
+LONG_2, TAIL_2 = 48.5, 12.3    # from the first throw to the hand and to the end of the tail
 TAKEN_2 = (9.8, 0.6, 4.4)      # where the jaws take it, from the place of the second throw
 
 OPEN, CLOSED = 1.1, 0.62       # from the middle of the jaws to the axis of a blade
@@ -55,7 +55,7 @@ def blades(name, throw, more):
 
 if __name__ == "__main__":
     one = Throw(place=(0, 0, 0), apart=APART, turns=2, long=LONG, tail=TAIL - APART, end_of_tail=TAKEN, bite=2.0, jaw=1.2, pull=5.0, took=1.2, start=5.4)
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=-1.0, took=1.8,
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=-3.0, took=1.8,
                 end_of_tail=TAKEN_2, bite=2.0, jaw=1.2, give=0.5, slide=FINE, draw=2.0, start=one.end + 0.3)
     (t0, *from_here, _), (t1, *to, _) = one.hand[-1], two.hand[0]
     between = [(t0 + u * (t1 - t0), *p, "the strand is drawn to the front") for u, p in swing(from_here, to, (0, 0, 0.5), 5)]
