@@ -54,8 +54,8 @@ def blades(name, throw, more):
 
 
 if __name__ == "__main__":
-    one = Throw(place=(0, 0, 0), apart=APART, turns=2, slide=FINE, long=LONG, tail=TAIL - APART, end_of_tail=TAKEN, bite=2.0, jaw=1.2, pull=5.0, took=1.2, start=5.4)
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=1.0, used=5.1, took=1.8,
+    one = Throw(place=(0, 0, 0), apart=APART, turns=2, slide=(1.2, 0.9, 0.7, 0.5, 0.3), give=0.5, long=LONG, tail=TAIL - APART, end_of_tail=TAKEN, bite=2.0, jaw=1.25, pull=5.0, used=5.0, took=1.2, start=5.4)
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, pull=1.0, used=6.3, took=1.8,
                 end_of_tail=TAKEN_2, bite=2.0, jaw=1.2, give=0.5, slide=FINE, draw=2.0, start=one.end + 0.3)
     (t0, *from_here, _), (t1, *to, _) = one.hand[-1], two.hand[0]
     between = [(t0 + u * (t1 - t0), *p, "the strand is drawn to the front") for u, p in swing(from_here, to, (0, 0, 0.5), 5)]
@@ -65,7 +65,7 @@ if __name__ == "__main__":
     gone = two.end + 0.55
     off = [(gone, *two.jaws[-1][1:4], "the ends are cut, and all go away"), (gone + 0.4, -45, 0, 15, "the ends are cut, and all go away")]
     x, y, z = two.hand[-1][1:4]
-    leave = [(two.end + 0.2, x, y, z, "the hand gives way"), (two.end + 0.45, x - 0.9, y, z, "the hand gives way"), (gone, x - 0.9, y, z, "the ends are cut, and all go away"), (gone + 0.4, 70, 0, 20, "the ends are cut, and all go away")]
+    leave = [(two.end + 0.2, x, y, z, "the hand gives way"), (two.end + 0.45, x - 1.2, y, z, "the hand gives way"), (gone, x - 1.2, y, z, "the ends are cut, and all go away"), (gone + 0.4, 70, 0, 20, "the ends are cut, and all go away")]
     help = [(let_go - 0.05, *HELD_2, "the tail is held"), (let_go, *HELD_2, "the tail is held")]
     for i in range(1, 6):
         a = math.radians(15 + 143 * i / 5)
