@@ -70,7 +70,8 @@ TEST_P(State, RestoredAtAnyStepGoesOnToTheBit) {
   // Minutes each, with nothing late in them that other stitches and knots do not have: a few of
   // their first steps only.
   bool is_long = false;
-  for (const char* long_one : {"three_bites", "two_threads", "tensioned_thread", "wound", "slip"})
+  for (const char* long_one :
+       {"three_bites", "two_threads", "tensioned_thread", "wound", "interrupted", "slip"})
     is_long = is_long || GetParam().find(long_one) != std::string::npos;
   const fs::path file = all_scenes().at(GetParam());
   Compiled whole(file), resumed(file);
