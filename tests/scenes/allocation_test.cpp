@@ -111,7 +111,9 @@ TEST_P(FirstStep, AllocatesNothingAndWorksAsMuchAsAnyOther) {
     iterations.per_pass.push_back(solver.empty() ? 0 : run.output(solver, "iterations") / passes);
     solves.per_pass.push_back(static_cast<Real>(report.solve.direct_solves));  // of the last pass
     if (i > 0) continue;
-    if (!touches) EXPECT_EQ(here, 0);
+    if (!touches) {
+      EXPECT_EQ(here, 0);
+    }
     EXPECT_EQ(run.output(tissue, "analyses"), analyses) << "an order of elimination";
     if (!solver.empty()) {
       EXPECT_EQ(run.output(solver, "adopted_at"), adopted) << "a factor";
