@@ -38,17 +38,24 @@ class Throw:
     jaw     radius of the closed jaws and the thread together
     give    by how much the hand gives way while it draws the strand taut
     pull    likewise, when the throw is tightened
-    took    what the throw and what is in it take of the tail
+    used    what the throw and what is in it take of the long strand; 1.6 * apart where it is left out
+    took    likewise of the tail
     end_of_tail  in the throw's own axes, where the tail does not lie as said, but is held somewhere
+    bite    by how much the jaws go over the end of the tail, where they are two blades with a gap; then `end_of_tail` is
+            where their tip comes to
+    slide   where the loop is when there is a key, as a share of the tail, while it slides along it: more keys keep it taut
+    draw    by how much the jaws draw the tail taut meanwhile
     start   0: the thread lies as it is laid out; later: the hand and the tail come from wherever they are
 
     The jaws point to the other side of the long strand; `side` -1 turns them round in the scene. A second throw makes a square knot with the other side and the same front, a granny with both changed.
     """
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
-                 give=1.0, pull=10.0, took=2.4, end_of_tail=None, start=0.0):
+                 give=1.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, slide=(0.7, 0.3), draw=0.0,
+                 used=None, start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
         self.turns, self.long, self.tail, self.jaw = turns, long, tail, jaw
+        self.bite, self.slide, self.draw = bite, slide, draw
         self.time, self.hand, self.jaws = start, [], []
         a = math.radians(lean)
         aslant = beside / (apart * (1.5 * math.pi - a))  # of the thread that goes round: a helix
@@ -60,7 +67,7 @@ class Throw:
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
         self.wind(give)
         self.take(give)
-        self.tighten(pull, took)
+        self.tighten(pull, took, 1.6 * apart if used is None else used)
 
     def key(self, seconds, hand, tip, what):
         """So many seconds later the hand and the tip are there, in the throw's own axes: x from the tail to the long
@@ -108,20 +115,25 @@ class Throw:
         def both(seconds, tip, towards, what):
             self.key(seconds, self.taut(plus(tip, (back, 0, 0)), self.wound, towards, give), tip, what)
 
-        before = plus(end, (2, 0, 0))
+        before = plus(end, (2 + self.bite, 0, 0))
         both(0.3, plus(before, (0, -8, 0)), (0.6, -1, 0.1), "jaws and loop go to the tail")
         both(0.3, before, (0.7, -1, 0.1), "jaws and loop go to the tail")
         both(0.15, end, (0.7, -1, 0.1), "the tip touches the end of the tail")
-        self.grasp = self.time + 0.05
+        self.touch, self.grasp = self.time, self.time + 0.05
         both(0.1, end, (0.7, -1, 0.1), "the jaws take it")
-        for part, towards in ((0.7, (-0.3, -1, 0)), (0.3, (-1, -0.8, -0.1))):
+        ways = {1.0: (0.7, -1, 0.1), 0.7: (-0.3, -1, 0), 0.3: (-1, -0.8, -0.1)}
+        for part in self.slide:
+            high, low = (1.0, 0.7) if part >= 0.7 else (0.7, 0.3)
+            u = max(0, (high - part) / (high - low))
+            towards = tuple((1 - u) * a + u * b for a, b in zip(ways[high], ways[low]))
             loop = plus(self.foot, plus(end, self.foot, -1), part)
-            self.key(0.4, self.taut(loop, self.wound, towards, give), end, "the loop slides along the tail")
+            tip = plus(end, (min(1, max(0, 2 * (1 - part))) * self.draw, 0, 0))
+            self.key(0.8 / len(self.slide), self.taut(loop, self.wound, towards, give), tip, "the loop slides along the tail")
         self.let_go = self.time + 0.2
 
-    def tighten(self, pull, took):
-        """The knot lies a thread's radius or two above the place; what it takes of both strands is `used`."""
-        used, height = 1.6 * self.apart, 1.1 * self.apart
+    def tighten(self, pull, took, used):
+        """The knot lies a thread's radius or two above the place."""
+        height = 1.1 * self.apart
         hand, tip = used - self.long, self.tail - took
         self.key(0.4, (hand + 2, 0, 2 * height), (tip - 1.2, 0, 2 * height), "both are drawn apart")
         self.key(0.4, (hand, 0, height), (tip - 1.2, 0, height), "both are drawn apart")

@@ -21,4 +21,21 @@ inline Line closed_to_the_sides(const SegmentedCurve& curve, int parts, int side
   return closed_to_the_sides(line_of(curve, parts), side);
 }
 
+/// Of a thread that is cut, the part after so many cuts, up to the next.
+inline Line after_cuts(const SegmentedCurve& curve, int number) {
+  std::vector<CurveSegment> segments;
+  curve.segments(Configuration::current, segments);
+  Line line;
+  int cuts = 0;
+  for (const CurveSegment& s : segments) {
+    cuts += s.radius == 0;  // a beam that is cut is nowhere
+    if (cuts == number && s.radius > 0) {
+      if (line.empty()) line.push_back(s.xa);
+      line.push_back(s.point(0.5));
+      line.push_back(s.xb);
+    }
+  }
+  return line;
+}
+
 }  // namespace sutura::testing

@@ -104,23 +104,6 @@ TEST(InstrumentTie, TiesOneThrow) {
   EXPECT_GT(tied.tail, 0.05);
 }
 
-/// Of a thread that is cut twice, the part between.
-Line between_cuts(const SegmentedCurve& curve) {
-  std::vector<CurveSegment> segments;
-  curve.segments(Configuration::current, segments);
-  Line line;
-  int cuts = 0;
-  for (const CurveSegment& s : segments) {
-    cuts += s.radius == 0;  // a beam that is cut is nowhere
-    if (cuts == 1 && s.radius > 0) {
-      if (line.empty()) line.push_back(s.xa);
-      line.push_back(s.point(0.5));
-      line.push_back(s.xb);
-    }
-  }
-  return line;
-}
-
 TEST(InstrumentTie, TiesASquareKnotThatHoldsWhenItsEndsAreCut) {
   TextRun world = TextRun::file("knots/square.xml");
   const auto& thread = world.component<SegmentedCurve>("/suture");
@@ -143,9 +126,9 @@ TEST(InstrumentTie, TiesASquareKnotThatHoldsWhenItsEndsAreCut) {
   // Both ends are cut at 10.7 s. What is left is at rest, and still a square knot.
   run(11.5);
   EXPECT_EQ(world.number("/suture", "cuts"), 2);
-  const Line before = between_cuts(thread);
+  const Line before = after_cuts(thread, 1);
   run(12);
-  const Line after = between_cuts(thread);
+  const Line after = after_cuts(thread, 1);
   ASSERT_EQ(before.size(), after.size());
   Real moved = 0;
   for (std::size_t i = 0; i < before.size(); ++i)

@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""Key frames of the hands that tie the stitch of interrupted.xml, as tables that Track reads. Run it to write them anew.
+
+Lengths are in mm, times in s. What a run has to say first (where the thread comes up, how much of it) stands at the top.
+"""
+import math
+import pathlib
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "knots"))
+from throws import Throw, plus, table  # noqa: E402
+
+APART = 3.1                     # half of the distance of the two mouths of the channel
+LONG, TAIL = 51.2, 16.8         # from the mouths to the hand, and to where the tail is held
+HAND = (19.97, -24.39, 40.88)   # where the hand takes the strand
+DRAWN_IN = (-6.6, 15.2, 4.0)    # where the tail is held when the thread has been drawn through
+LAID = (12.1, 0.5, 5.2)         # where it is held for the first throw,
+TAKEN = (10.7, 0.5, 4.8)        # and where the tip of the jaws takes it
+
+HELD_2 = (13.5, 0.0, 3.9)       # where an assistant takes the tail after the first throw
+RADIUS_2 = 12.4                 # of the way on which it is laid over: as far as it reaches
+LONG_2, TAIL_2 = 48.5, 12.3     # from the first throw to the hand, and to where the jaws take the tail
+TAKEN_2 = (9.8, 0.6, 4.4)       # where they do, from the place of the second throw
+
+OPEN, CLOSED = 1.1, 0.62        # from the middle of the jaws to the axis of a blade
+CLOSING = 0.08                  # s
+
+
+def swing(start, end, middle, count):
+    """Points on the way round a middle, as far from it as the ends are in turn."""
+    a, b = plus(start, middle, -1), plus(end, middle, -1)
+    r, q = math.hypot(*a), math.hypot(*b)
+    angle = math.acos(sum(x * y for x, y in zip(a, b)) / (r * q))
+    for i in range(1, count):
+        u = i / count
+        way = [(math.sin((1 - u) * angle) * x / r + math.sin(u * angle) * y / q) / math.sin(angle) for x, y in zip(a, b)]
+        yield u, plus(middle, way, (1 - u) * r + u * q)
+
+
+def blades(name, throw, more):
+    """The way of the jaws, and those of their two blades, which close on the tail when the tip is there."""
+    keys = throw.jaws + more
+    table(HERE / f"{name}.csv", keys)
+    closed = throw.touch + CLOSING
+    for blade, side in (("front", -1), ("back", 1)):
+        way = []
+        for t, x, y, z, what in keys:
+            if t <= throw.touch:
+                way.append((t, x, y + side * OPEN, z, what))
+            if t == throw.touch:
+                way.append((closed, x, y + side * CLOSED, z, "the blades close"))
+            if t > throw.touch:
+                way.append((max(t, closed), x, y + side * CLOSED, z, what))
+        table(HERE / f"{name}_{blade}.csv", way)
+
+
+def laid_over(start):
+    """The way of the tail from one side to the other, round the first throw."""
+    keys = [(start - 0.05, *HELD_2, "the tail is held"), (start, *HELD_2, "the tail is held")]
+    for i in range(1, 6):
+        a = math.radians(15 + 143 * i / 5)
+        at = (0.2 + RADIUS_2 * math.cos(a), 0.12 * i, 0.5 + RADIUS_2 * math.sin(a))
+        keys.append((start + 0.2 * i, *at, "the tail is laid over"))
+    return keys
+
+
+if __name__ == "__main__":
+    one = Throw(place=(0, 0, 0), apart=APART, turns=2, long=LONG, tail=TAIL - APART, jaw=1.25, give=0.5, pull=5.0, used=5.0,
+                took=1.2, end_of_tail=TAKEN, bite=2.0, slide=(1.2, 0.9, 0.7, 0.5, 0.3), start=5.4)
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, jaw=1.2, give=0.5, pull=1.0,
+                used=6.3, took=1.8, end_of_tail=TAKEN_2, bite=2.0, slide=[1.4 - 0.06 * i for i in range(19)], draw=2.0,
+                start=one.end + 0.3)
+    let_go, cut = one.end + 0.85, two.end + 0.55
+
+    taken = [(t, *HAND, "the hand takes the strand") for t in (5.2, 5.35)]
+    (t0, *begin, _), (t1, *end, _) = one.hand[-1], two.hand[0]
+    round_it = [(t0 + u * (t1 - t0), *at, "the strand is drawn to the front") for u, at in swing(begin, end, (0, 0, 0.5), 5)]
+    x, y, z = two.hand[-1][1:4]
+    eased = (x - 1.2, y, z)
+    leave = [(two.end + 0.2, x, y, z, "the hand gives way"), (two.end + 0.45, *eased, "the hand gives way"),
+             (cut, *eased, "the ends are cut, and all go away"), (cut + 0.4, 70, 0, 20, "the ends are cut, and all go away")]
+    table(HERE / "interrupted_hand.csv", taken + one.hand + round_it + two.hand + leave)
+
+    blades("interrupted_jaws", one, [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"),
+                                     (let_go + 0.3, 45, 0, 10, "the jaws go away")])
+    blades("interrupted_other_jaws", two, [(cut, *two.jaws[-1][1:4], "the ends are cut, and all go away"),
+                                           (cut + 0.4, -45, 0, 15, "the ends are cut, and all go away")])
+    table(HERE / "interrupted_assistant.csv", laid_over(let_go))
+    table(HERE / "interrupted_tail.csv",
+          [(0.3, -71.45, 23.04, 28.06, "the tail follows"), (1.6, -60, 17, 13, "the tail follows"),
+           (3.0, -48, 15, 10, "the tail follows"), (5.0, *DRAWN_IN, "the tail is drawn in"), (5.4, -4, 6, 14.5, "and laid over"),
+           (5.8, 5, 3, 14, "and laid over"), (6.1, *LAID, "and laid over")])
+    for name, throw in (("first", one), ("second", two)):
+        print(f"{name} throw: the tip is there at {throw.touch:.4g} s, end {throw.end:.4g} s")

@@ -1,0 +1,48 @@
+// An interrupted stitch (scenes/suture/interrupted.xml): sewn through both lips, and its surgeon's
+// throw tied with instruments. What follows, a second throw, takes minutes (docs/validation.md).
+#include <gtest/gtest.h>
+
+#include "scenes/text_run.h"
+#include "support/closed_line.h"
+#include "support/knot_type.h"
+
+namespace sutura::testing {
+namespace {
+
+TEST(InterruptedStitch, ASurgeonsThrowDrawsTheLipsTogether) {
+  TextRun world = TextRun::file("suture/interrupted.xml");
+  const auto& thread = world.component<SegmentedCurve>("/suture");
+  int steps = 0, missed = 0;
+  const auto run = [&](Real until) {
+    while (world.simulation().time() < until - 1e-9) {
+      const StepReport& report = world.simulation().step();
+      ASSERT_TRUE(report.finite);
+      EXPECT_TRUE(report.faults.empty()) << report.faults.front();
+      ++steps;
+      missed += !report.solved;
+    }
+  };
+  run(5.2);
+  // Into the left lip and out of it, into the right lip and out of it.
+  EXPECT_EQ(world.number("/puncture", "punctures"), 4);
+  const Real gaping = world.number("/gap", "distance");
+  EXPECT_GT(gaping, 0.8e-3);  // 1 mm at rest, less what the thread drags along
+  run(8);
+  // The needle is off, the strand is wound round the jaws, and the tail is not taken yet.
+  EXPECT_EQ(world.number("/suture", "cuts"), 1);
+  constexpr Real rounding = 1e-6;
+  EXPECT_LT(std::abs(jones(closed_to_the_sides(after_cuts(thread, 1))) - 1.), rounding);
+  run(10.4);
+  // Two turns towards the hand's own side: a right-handed torus knot of five crossings.
+  EXPECT_LT(std::abs(jones(closed_to_the_sides(after_cuts(thread, 1))) - jones_of_throw(5)),
+            rounding);
+  EXPECT_LT(world.number("/gap", "distance"), 0.5e-3);
+  EXPECT_EQ(world.number("/suture", "cuts"), 1);
+  // The channel goes from 3 mm on one side to 3 mm on the other.
+  EXPECT_GT(world.number("/path", "inserted_length"), 5e-3);
+  std::printf("%d of %d steps missed their tolerance\n", missed, steps);
+  EXPECT_LE(missed, steps / 100);  // mostly where the two turns slip off the jaws
+}
+
+}  // namespace
+}  // namespace sutura::testing
