@@ -80,8 +80,10 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
-      const bool goes_on = context.pass < most && problem_.rows() > 0;
-      if (goes_on && better_guess_->move_on(context)) build(context, timer);
+      if (problem_.rows() == 0)
+        better_guess_->forget();
+      else if (context.pass < most && better_guess_->move_on(context))
+        build(context, timer);
       continue;
     }
     // Events fire on forces that have been verified, all that are due at once.
