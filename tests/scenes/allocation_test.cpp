@@ -34,8 +34,8 @@ class SecondRun : public ::testing::TestWithParam<fs::path> {};
 
 TEST_P(SecondRun, AllocatesNothing) {
   // The first punctures lie between; a simulation that was restored starts its worker anew, with
-  // the first rows of a tissue (step 57 of the interrupted stitch).
-  constexpr int steps = 160, begin = 60;
+  // the first rows of a tissue (step 71 of the interrupted stitch).
+  constexpr int steps = 160, begin = 75;
   WatchedRun run(GetParam());
   ASSERT_TRUE(run);
   Simulation& simulation = run.simulation();
