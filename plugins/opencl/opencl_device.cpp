@@ -57,6 +57,7 @@ bool OpenClDevice::attempt(const Work& work) {
   try {
     why_not_ = work();
   } catch (const DeviceError& e) {
+    device_->drain();  // of what was lent to it before it failed
     lost_ = true;
     why_not_ = e.what();
   }
