@@ -233,6 +233,13 @@ Real Channel::cut_to(std::size_t i, const Vec3& point) {
   return ((to ? tissue_.position(s.at, now) : point) - from).norm();
 }
 
+Real Channel::cut_end_to(const Vec3& point) {
+  constexpr Configuration now = Configuration::current;
+  const Vec3 from = tissue_.position(end_, now);
+  end_ = embed(point);
+  return (tissue_.position(end_, now) - from).norm();
+}
+
 void Channel::drop_cut_out() {
   const auto is_out = [](const PathSample& s) { return s.cut_out; };
   if (std::none_of(samples_.begin(), samples_.end(), is_out)) return;

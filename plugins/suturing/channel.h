@@ -69,7 +69,7 @@ class Channel {
   /// is at `point` now. Returns how far it has moved (m): a mouth at an edge of the tissue stays
   /// there until the thread is past it.
   Real cut_to(std::size_t i, const Vec3& point);
-  void cut_end_to(const Vec3& point) { end_ = embed(point); }
+  Real cut_end_to(const Vec3& point);
   /// What has been cut out of the tissue is on the thread no more. A bite that is cut open in its
   /// middle becomes two; one of which nothing but a mouth is left is gone.
   void drop_cut_out();

@@ -128,28 +128,42 @@ void SuturePath::detect(const StepContext&) {
   if (channel.tip_at_end()) crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0));
 }
 
+/// So close that its rows would repeat those of the end of the channel.
+bool SuturePath::is_at_tip(const Crossing& c) const {
+  return channel_->samples()[c.sample].abscissa < too_close * spacing_;
+}
+
+/// What the end of the channel stands for, of the length from the tip to the sample beside it (m).
+Real SuturePath::share_of_end() const {
+  const Crossing& beside = crossings_[sample_crossings_ - 1];
+  return is_at_tip(beside) ? beside.share.high : channel_->samples()[beside.sample].abscissa / 2;
+}
+
 void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
   const Real strength = strength_ > 0 ? strength_ : std::numeric_limits<Real>::infinity();
   const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked_;
+  const Real end_share = hold_end ? share_of_end() : 0;
   for (std::size_t i = 0; i < crossings_.size(); ++i) {
     const Crossing& c = crossings_[i];
     const bool is_end = i == sample_crossings_;
     if (is_end && !hold_end) break;
     // A sample made a moment ago is where the end is. The rows of the end hold that section
     // already.
-    if (!is_end && hold_end && channel_->samples()[c.sample].abscissa < too_close * spacing_)
-      continue;
+    if (!is_end && hold_end && is_at_tip(c)) continue;
+    const Real least = shortest * spacing_;
+    const Real compliance =
+        wall_compliance_ / (is_end ? spacing_ : std::max(c.share.high - c.share.low, least));
+    // The end bears what the samples beside it would, and they do not.
     const Real length =
-        is_end ? spacing_ : std::max(c.share.high - c.share.low, shortest * spacing_);
+        std::max(is_end ? end_share : c.share.high - std::max(c.share.low, end_share), least);
     const BlockId block = builder.add<Bilateral<2>>(
-        make_key(source_id_, c.id),
-        {.compliance = wall_compliance_ / length, .cap = strength * length},
+        make_key(source_id_, c.id), {.compliance = compliance, .cap = strength * length},
         BlockVector<2>(c.gap.tail<2>()));
     const Directions across = c.axes.bottomRows<2>();
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
-    blocks_.push_back({block, i, length});
+    blocks_.push_back({block, i, compliance, length});
   }
 }
 
@@ -179,12 +193,14 @@ void SuturePath::cut(const SolvedBlocks& solved) {
     if (solved.mode(b.block) != Bilateral<2>::capped) continue;
     const Crossing& c = crossings_[b.crossing];
     const BlockVector<2> force = solved.lambda(b.block);
-    const BlockVector<2> way = c.gap.tail<2>() + wall_compliance_ / b.length * force;
-    const Vec3 to = c.position + c.axes.bottomRows<2>().transpose() * way;
-    if (b.crossing < sample_crossings_)
-      cut_ += channel_->cut_to(c.sample, to) * b.length;
-    else
-      channel_->cut_end_to(to);
+    const Vec3 way = c.axes.bottomRows<2>().transpose() * (c.gap.tail<2>() + b.compliance * force);
+    if (b.crossing < sample_crossings_) {
+      cut_ += channel_->cut_to(c.sample, c.position + way) * b.length;
+      continue;
+    }
+    cut_ += channel_->cut_end_to(c.position + way) * b.length;
+    const Crossing& beside = crossings_[sample_crossings_ - 1];
+    if (is_at_tip(beside)) channel_->cut_to(beside.sample, beside.position + way);
   }
   channel_->drop_cut_out();
 }

@@ -73,8 +73,11 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   struct LateralBlock {
     BlockId block;
     std::size_t crossing;
-    Real length;  ///< of channel that it stands for (m)
+    Real compliance;  ///< of the wall, m/N
+    Real length;      ///< of channel that it bears for (m)
   };
+  bool is_at_tip(const Crossing& c) const;
+  Real share_of_end() const;
   void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;
   bool tip_blocked_ = false;

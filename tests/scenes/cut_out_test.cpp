@@ -46,6 +46,24 @@ TEST_P(CutOut, TakesItsStrengthTimesTheLengthUntilItIsOut) {
 
 INSTANTIATE_TEST_SUITE_P(Steps, CutOut, ::testing::Values("1 ms", "10 ms", "50 ms"));
 
+// The same with the point of the wire inside and pushed on meanwhile, whatever the spacing of the
+// samples: 3.8 mm are inside in the end.
+TEST(CutOut, WithThePointInsideTakesItsStrengthTimesWhatIsInside) {
+  for (const char* spacing : {"1 mm", "0.4 mm"}) {
+    TextRun run = TextRun::file("validation/cut_out.xml",
+                                {{"/way.positions", "0 0 0  0 0 -4.3  0 0 -4.3  4.5 0 -5 mm"},
+                                 {"/suture_path.spacing", spacing}});
+    ASSERT_TRUE(run);
+    run.run(1.5);
+    while (run.simulation().time() < 1.95) {
+      ASSERT_TRUE(run.simulation().step().solved);
+      const Real length = run.number("/suture_path", "inserted_length");
+      EXPECT_NEAR(run.vector("/grasper", "force").x(), strength * length, 0.01 * strength * length)
+          << spacing << " at " << run.simulation().time();
+    }
+  }
+}
+
 TEST(CutOut, BelowItsStrengthNothingIsCut) {
   TextRun run = TextRun::file("validation/cut_out.xml", {{"/suture_path.strength", "1e5 N/m"}});
   ASSERT_TRUE(run);
