@@ -1,6 +1,6 @@
 #include "tissue_fields.h"
 
-#include <Eigen/Eigenvalues>  // operatorNorm
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "rotation.h"
@@ -71,6 +71,7 @@ BodyGeometry geometry(const TissueModel& model, const VecX& x, const VecX& v) {
     }
     held.values.push_back(model.held.is_fixed(static_cast<Index>(i)) ? 1 : 0);
   }
+  Eigen::SelfAdjointEigenSolver<Mat3> squares;  // of stretches
   for (std::size_t e = 0; e < data.tets.size(); ++e) {
     const Tet& t = data.tets[e];
     g.connectivity.insert(g.connectivity.end(), t.begin(), t.end());
@@ -79,7 +80,8 @@ BodyGeometry geometry(const TissueModel& model, const VecX& x, const VecX& v) {
     const Mat3 S = nearest_rotation(F).transpose() * F;
     const Mat3 deviator = 0.5 * (S + S.transpose()) - S.trace() / 3 * Mat3::Identity();
     stress.values.push_back(2 * model.materials[e].lame_mu() * std::sqrt(1.5) * deviator.norm());
-    strain.values.push_back(std::sqrt((F.transpose() * F).operatorNorm()));
+    squares.computeDirect(F.transpose() * F, Eigen::EigenvaluesOnly);
+    strain.values.push_back(std::sqrt(squares.eigenvalues()[2]));
   }
   g.fields = {std::move(displacement), std::move(velocity), std::move(held),
               std::move(region),       std::move(stress),   std::move(strain)};
