@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "sutura/body.h"
@@ -64,6 +66,10 @@ class Channel {
   void enter(const EmbeddedPoint& pressed);
   /// The tip has just left the tissue where it pressed.
   void leave(const EmbeddedPoint& pressed);
+  /// What of the thread lies in the tissue now is in its channel, bite after bite; what was
+  /// recorded before is gone. Returns what of the thread is not as a sewn one is, or nothing
+  /// (sewn.cpp).
+  std::string sew();
   PathSample& sample(std::size_t i) { return samples_[i]; }
   /// The thread has cut sideways through the tissue, so that sample i of the channel, or its end,
   /// is at `point` now. Returns how far it has moved (m): a mouth at an edge of the tissue stays
@@ -91,6 +97,8 @@ class Channel {
   void find_abscissae();
   void retract();
   void readvance();
+  std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
+  std::string fill_bite(Real exit);
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;

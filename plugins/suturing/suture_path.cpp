@@ -23,7 +23,8 @@ void SuturePath::describe(Describe<SuturePath>& d) {
   d.summary(
       "Holds needle and thread in the channel they have made in a tissue: samples fixed in the "
       "tissue, created as the tip "
-      "advances and left as it retracts, free along the thread, bilateral across it.");
+      "advances and left as it retracts, or there from the start (`sewn`); free along the thread, "
+      "bilateral across it.");
   d.theory(
       "At each sample P_j of the channel the thread has an abscissa s_j, found in order along the "
       "path at the present guess of the\n"
@@ -44,6 +45,10 @@ void SuturePath::describe(Describe<SuturePath>& d) {
   d.attribute("strength", &SuturePath::strength_, "N/m", between(0, 1e9),
               "Load across the thread, per length of channel, at which it cuts sideways through "
               "the tissue; 0: it never does.");
+  d.attribute(
+      "sewn", &SuturePath::sewn_,
+      "Whether the thread begins sewn: where it is laid through the tissue, its channel is "
+      "there from the start, bite after bite. Else there is none before a needle makes it.");
   d.output(
       "inserted_length", "m", "Length of needle and thread inside the tissue.",
       [](const SuturePath& p) { return p.channel_ ? p.channel_->inserted_length() : Real(0); });
@@ -81,6 +86,21 @@ void SuturePath::initialise(Setup& setup) {
   channel_.emplace(*thread_, *tissue_, spacing_);
   crossings_.reserve(256);
   blocks_.reserve(256);
+  if (sewn_) sew(setup);
+}
+
+/// Again, because the nodes of the thread have moved to where they are held. The first time told a
+/// Contact what is inside.
+void SuturePath::ready(Setup& setup) {
+  if (sewn_) sew(setup);
+}
+
+void SuturePath::sew(Setup& setup) {
+  if (thread_->wants_settling() || tissue_->wants_settling())
+    return setup.error(*this,
+                       "sewn: thread and tissue begin as they are laid out; leave out 'settle'");
+  const std::string wrong = channel_->sew();
+  if (!wrong.empty()) setup.error(*this, "sewn: the thread is to lie in the tissue, but " + wrong);
 }
 
 void SuturePath::archive(Archive& a) {
@@ -171,13 +191,15 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
 void SuturePath::inside(std::vector<Stretch>& out) const {
   out.clear();
   Stretch bite;
-  for (std::size_t i = 0; i < sample_crossings_; ++i) {
+  const std::size_t samples = channel_->passed();
+  for (std::size_t i = 0; i < samples; ++i) {
     const PathSample& s = channel_->samples()[i];
-    const auto [low, high] = std::minmax(s.abscissa, crossings_[i].abscissa);
+    const Real guess = i < sample_crossings_ ? crossings_[i].abscissa : s.abscissa;
+    const auto [low, high] = std::minmax(s.abscissa, guess);
     if (i == 0 || s.kind == PathSample::Kind::entry) bite = {low, high};
     bite.low = std::min(bite.low, low);
-    if (i + 1 == sample_crossings_ && s.kind != PathSample::Kind::exit) bite.low = 0;
-    if (i + 1 == sample_crossings_ || s.kind == PathSample::Kind::exit) out.push_back(bite);
+    if (i + 1 == samples && s.kind != PathSample::Kind::exit) bite.low = 0;
+    if (i + 1 == samples || s.kind == PathSample::Kind::exit) out.push_back(bite);
   }
 }
 
@@ -223,6 +245,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
                      tissue_->position(s.at, Configuration::current);
     lateral_gap_ = std::max(lateral_gap_, gap.norm());
   }
+  sample_crossings_ = 0;  // of the step that is over
 }
 
 }  // namespace sutura::suturing

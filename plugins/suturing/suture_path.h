@@ -34,6 +34,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   static constexpr const char* interface_name = "SuturePath";
   static void describe(Describe<SuturePath>& d);
   void initialise(Setup& setup) override;
+  void ready(Setup& setup) override;
   void archive(Archive& archive) override;
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
@@ -49,7 +50,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   const SolidBody& tissue() const { return *tissue_; }
   Channel& channel() { return *channel_; }
   const Channel& channel() const { return *channel_; }
-  /// One per sample on the thread, in the order of passage.
+  /// One per sample on the thread, in the order of passage; none before this step's `detect`.
   std::span<const Crossing> crossings() const { return {crossings_.data(), sample_crossings_}; }
   Real spacing() const { return spacing_; }
   /// A surface holds the tip from the inside: nothing is left to cut, the puncture law decides.
@@ -65,6 +66,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Real spacing_ = 1e-3;
   Real wall_compliance_ = 1e-7;
   Real strength_ = 0;  ///< N/m; 0: without limit
+  bool sewn_ = false;
   Index source_id_ = 0;
   std::optional<Channel> channel_;
   std::vector<Crossing>
@@ -76,6 +78,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
     Real compliance;  ///< of the wall, m/N
     Real length;      ///< of channel that it bears for (m)
   };
+  void sew(Setup& setup);
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
   void cut(const SolvedBlocks& solved);

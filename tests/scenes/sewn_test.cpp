@@ -1,0 +1,73 @@
+// A thread that begins sewn (SuturePath sewn="true") behaves as one that its needle has sewn.
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+/// A wire through a soft slab, held 15 mm above its tip: driven through from above until 1 s, or
+/// there from the start; from 1.2 s to 1.6 s moved aside by 0.3 mm.
+std::string wire(bool is_sewn) {
+  const std::string height = is_sewn ? "-9" : "1";
+  return std::string(
+             "<BlockMesh box=\"-5 -5 -5  5 5 0 mm\" cells=\"10 10 5\"/>"
+             "<Tissue young=\"50 kPa\" poisson=\"0.4\" damping_stiffness=\"5 ms\"/>"
+             "<Attach box=\"-5 -5 -5  -5 5 0 mm\"/> <Attach name=\"right\" "
+             "box=\"5 -5 -5  5 5 0 mm\"/>"
+             "<SutureThread name=\"wire\" needle_length=\"30 mm\" needle_angle=\"0\" "
+             "needle_diameter=\"0.5 mm\" tip=\"0.1 0.1 ") +
+         height +
+         " mm\" tip_direction=\"0 0 -1\" plane_normal=\"0 1 0\" thread_length=\"30 mm\"/>"
+         "<Track name=\"way\" times=\"0 1 1.2 1.6 s\" positions=\"" +
+         (is_sewn ? "0 0 0  0 0 0  0 0 0  0.3 0 0" : "0 0 0  0 0 -10  0 0 -10  0.3 0 -10") +
+         " mm\"/> <Grasper at=\"15 mm\" track=\"way\"/>"
+         "<SuturePath spacing=\"1 mm\"" +
+         (is_sewn ? " sewn=\"true\"" : "") +
+         "/><PathFriction coefficient=\"0.2\" pressure=\"10 kPa\"/> <Puncture threshold=\"0.1 "
+         "N\"/>";
+}
+
+TEST(Sewn, ResistsAsAThreadThatItsNeedleHasSewn) {
+  TextRun sewn(wire(true)), pierced(wire(false));
+  ASSERT_TRUE(sewn) << sewn.said();
+  ASSERT_TRUE(pierced) << pierced.said();
+  // Laid, not pressed: nothing is strained at the start, but by nanometres of a mouth's place.
+  EXPECT_TRUE(sewn.simulation().step().solved);
+  EXPECT_LT(sewn.number("/suture_path", "lateral_force"), 1e-6);
+  EXPECT_LT(sewn.number("/suture_path", "lateral_gap"), 1e-8);
+  for (TextRun* run : {&sewn, &pierced}) run->run(2);
+  EXPECT_EQ(sewn.number("/puncture", "punctures"), 0);
+  EXPECT_EQ(pierced.number("/puncture", "punctures"), 2);
+  // The needle dents the tissue by tenths of a millimetre where it goes in and out, so that its
+  // channel is as much longer or shorter.
+  const Real length = sewn.number("/suture_path", "inserted_length");
+  EXPECT_NEAR(length, 5e-3, 0.02 * 5e-3);
+  EXPECT_NEAR(pierced.number("/suture_path", "inserted_length"), length, 0.05 * length);
+  const Real limit = sewn.number("/path_friction", "limit");
+  EXPECT_NEAR(pierced.number("/path_friction", "limit"), limit, 0.05 * limit);
+  const Real pull = sewn.vector("/grasper", "force").x();
+  EXPECT_GT(pull, 0.01);
+  EXPECT_NEAR(pierced.vector("/grasper", "force").x(), pull, 0.05 * pull);
+}
+
+/// A thread that leaves one lip of a wound and enters the other.
+TEST(Sewn, GoesThroughBothLipsOfAWound) {
+  const auto run = [](const std::string& thread) {
+    return TextRun(
+        "<node name=\"skin\"> <TetMesh file=\"../meshes/strip.msh\" unit=\"mm\"/> <Tissue "
+        "young=\"50 kPa\"/> <Attach box=\"-10 -9 -5  10 9 -5 mm\"/> </node>"
+        "<SutureThread name=\"wire\" needle_length=\"5 mm\" needle_angle=\"0\" " +
+        thread + " plane_normal=\"0 1 0\" thread_length=\"30 mm\"/> <SuturePath sewn=\"true\"/>");
+  };
+  TextRun across = run("tip=\"15 0.3 -2.2 mm\" tip_direction=\"1 0 0\"");
+  ASSERT_TRUE(across) << across.said();
+  across.simulation().step();
+  // 20 mm in two lips that are 0.2 mm apart.
+  EXPECT_NEAR(across.number("/suture_path", "inserted_length"), 19.8e-3, 1e-8);
+  EXPECT_EQ(std::get<std::string>(across.output("/suture_path", "state")), "outside");
+  TextRun beside = run("tip=\"15 0.3 2 mm\" tip_direction=\"1 0 0\"");
+  EXPECT_FALSE(beside);
+  EXPECT_NE(beside.said().find("no part of it goes through the tissue"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sutura::testing
