@@ -112,9 +112,11 @@ class SutureThread : public Component,
 
   /// To the load of the step: on the section of a hold, which need not be closed.
   void add_load(Index hold, const Wrench& wrench);
-  /// Of the beam at s: mean curvature (1/m), twist per length (rad/m) and axial force (N).
+  /// Of the beam at s: mean curvature (1/m), twist per length (rad/m), axial force (N) and the
+  /// whole force (N) with which what follows draws what comes before: along the beam and across it.
   struct SectionState {
     Real curvature = 0, twist = 0, tension = 0;
+    Vec3 force = Vec3::Zero();
   };
   SectionState section_state(Real s) const;
 

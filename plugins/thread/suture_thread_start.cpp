@@ -192,7 +192,8 @@ SutureThread::SectionState SutureThread::section_state(Real s) const {
   const Index e = place(rod_, s).beam;
   ElementState state;
   rod_.element_state(e, state);
-  return {beam_curvature(rod_, e), state.twist / rod_.element(e).length, state.tension};
+  return {beam_curvature(rod_, e), state.twist / rod_.element(e).length, state.tension,
+          gradient(rod_.element(e), state).v};
 }
 
 }  // namespace sutura::thread

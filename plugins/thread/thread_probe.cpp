@@ -10,7 +10,10 @@ void ThreadProbe::describe(Describe<ThreadProbe>& d) {
   d.theory(
       "Tension, curvature and twist are those of the beam in which the section lies: the axial "
       "force *EA eps*, the angle between its end tangents and the angle between its end sections "
-      "about the tangent, each over its length. With `EI` and `GJ` of the section they give the "
+      "about the tangent, each over its length. The force is the derivative of the elastic energy "
+      "of "
+      "the beam by the vector from its one end to the other. With `EI` and `GJ` of the section "
+      "they give the "
       "moments.");
   d.link("thread", &T::thread_, "The needle and thread.");
   d.attribute("at", &T::at_, "m", at_least(0), "Abscissa of the section, from the needle tip.")
@@ -28,6 +31,10 @@ void ThreadProbe::describe(Describe<ThreadProbe>& d) {
            });
   d.output("tension", "N", "Axial force, positive where the thread is taut.",
            [](const T& p) { return p.thread_->section_state(p.at_).tension; });
+  d.output("force", "N",
+           "Force with which what follows draws what comes before: the tension, and what the bent "
+           "thread bears across itself.",
+           [](const T& p) { return p.thread_->section_state(p.at_).force; });
   d.output("curvature", "1/m", "Curvature.",
            [](const T& p) { return p.thread_->section_state(p.at_).curvature; });
   d.output("twist", "rad/m", "Twist per length, beyond that at rest.",

@@ -11,8 +11,7 @@ import sys
 
 import numpy as np
 
-APART, WIDE, HIGH = 0.44, 3.4, 1.5       # mm: strands in a throw, a throw, from throw to throw
-LEG, LOOP, END, ROW = 6.0, 1.5, 8.0, 0.1  # mm: middle to where a leg is held, radius of the loop, ends, rows of the table
+LEG, LOOP = 6.0, 1.5  # mm: from the middle to where a leg is held, radius of the loop
 
 
 def half_circle(start, end, side):
@@ -22,29 +21,37 @@ def half_circle(start, end, side):
     return middle + np.cos(a) * (start - middle) + r * np.sin(a) * np.array([side, 0, 0])
 
 
-def strand(number, hand, from_left):
-    """Of one throw: three half turns about x, from below on its own side to above on the other."""
-    u = np.linspace(0, 1, 400)
-    a = -np.pi / 2 + hand * 3 * np.pi * (u - np.sin(2 * np.pi * u) / (2 * np.pi)) + (0 if from_left else np.pi)
-    points = np.column_stack([(u - 0.5) * WIDE, APART / 2 * np.cos(a), number * HIGH + APART / 2 * np.sin(a)])
-    return points if from_left else points[::-1]
+class Knot:
+    """Throws upon each other, the first one at z = 0. Lengths in mm: `apart`, of the strands in a throw; `wide`, of a throw;
+    `high`, from throw to throw; `end`, of a loose end."""
+
+    def __init__(self, apart=0.44, wide=3.4, high=1.5, end=8.0):
+        self.apart, self.wide, self.high, self.end = apart, wide, high, end
+
+    def strand(self, number, hand, from_left):
+        """Of one throw: three half turns about x, from below on its own side to above on the other."""
+        u = np.linspace(0, 1, 400)
+        a = -np.pi / 2 + hand * 3 * np.pi * (u - np.sin(2 * np.pi * u) / (2 * np.pi)) + (0 if from_left else np.pi)
+        r = self.apart / 2
+        points = np.column_stack([(u - 0.5) * self.wide, r * np.cos(a), number * self.high + r * np.sin(a)])
+        return points if from_left else points[::-1]
+
+    def rise(self, hands, from_left):
+        """From below the knot on its side, up through all throws, to its loose end."""
+        line = []
+        for i, hand in enumerate(hands):
+            next_one = self.strand(i, hand, from_left == (i % 2 == 0))
+            if i > 0:
+                line.append(half_circle(line[-1][-1], next_one[0], np.sign(next_one[0][0])))
+            line.append(next_one)
+        last = line[-1][-1]
+        line.append(np.array([last + [np.sign(last[0]) * self.end, 0, 0]]))
+        return np.vstack(line)
 
 
-def leg(hands, from_left):
-    """From where it is held, up through all throws, to its loose end."""
-    line = [np.array([[-LEG if from_left else LEG, 0, -APART / 2]])]
-    for i, hand in enumerate(hands):
-        next_one = strand(i, hand, from_left == (i % 2 == 0))
-        if i > 0:
-            line.append(half_circle(line[-1][-1], next_one[0], np.sign(next_one[0][0])))
-        line.append(next_one)
-    last = line[-1][-1]
-    line.append(np.array([last + [np.sign(last[0]) * END, 0, 0]]))
-    return np.vstack(line)
-
-
-def curve(hands):
-    left, right = leg(hands, True), leg(hands, False)
+def curve(knot, hands):
+    low = -knot.apart / 2
+    left, right = [np.vstack([[[side * LEG, 0, low]], knot.rise(hands, side < 0)]) for side in (-1, 1)]
     down = np.array([0, 0, -2 * LOOP])
     return np.vstack([left[::-1], half_circle(left[0], left[0] + down, -1), [left[0] + down, right[0] + down],
                       half_circle(right[0] + down, right[0], 1), right])
@@ -79,21 +86,29 @@ def table(points):
     return rows, s + lengths[-1] / 2
 
 
-def main(hands, name):
-    points = evenly(curve([1 if c == "+" else -1 for c in hands]), ROW)
+def write(points, name, row=0.1):
+    """The table of a curve, a row each 0.1 mm or so, and what a scene has to say of it. Returns the points that were laid out: evenly,
+    and smoother."""
+    points = evenly(points, row)
     for _ in range(3):  # the joints of straight and bent
         points[1:-1] = (points[:-2] + 2 * points[1:-1] + points[2:]) / 4
     rows, length = table(points)
     with open(name, "w") as file:
         file.write("s [mm], curvature [1/m], side_curvature [1/m]\n")
         file.writelines(f"{s:.5g}, {k:.6g}, {side:.6g}\n" for s, k, side in rows)
-    s = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    low = np.abs(points[:, 2] + APART / 2) < 0.05
-    held = [s[low][np.argmin(np.abs(points[low][:, 0] - x))] for x in (-LEG, LEG)]
-    tip, back = points[0], points[0] - points[1]
+    back = points[0] - points[1]
     back /= np.linalg.norm(back)
-    print(f"thread_length {length:.3f} mm, left {held[0]:.3f} mm, right {held[1]:.3f} mm, tip", *tip.round(4), "mm, tip_direction",
-          *back.round(6))
+    print(f"thread_length {length:.3f} mm, tip", *points[0].round(4), "mm, tip_direction", *back.round(6))
+    return points
+
+
+def main(hands, name):
+    knot = Knot()
+    points = write(curve(knot, [1 if c == "+" else -1 for c in hands]), name)
+    s = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    low = np.abs(points[:, 2] + knot.apart / 2) < 0.05
+    left, right = (s[low][np.argmin(np.abs(points[low][:, 0] - x))] for x in (-LEG, LEG))
+    print(f"left {left:.3f} mm, right {right:.3f} mm")
 
 
 if __name__ == "__main__":

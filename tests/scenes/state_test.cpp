@@ -71,7 +71,8 @@ TEST_P(State, RestoredAtAnyStepGoesOnToTheBit) {
   // their first steps only.
   bool is_long = false;
   for (const char* long_one :
-       {"three_bites", "two_threads", "tensioned_thread", "wound", "interrupted", "slip", "rigid"})
+       {"three_bites", "two_threads", "tensioned_thread", "wound", "interrupted", "slip", "rigid",
+        "suture_load", "anastomosis", "running"})
     is_long = is_long || GetParam().find(long_one) != std::string::npos;
   const fs::path file = all_scenes().at(GetParam());
   Compiled whole(file), resumed(file);
