@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes anastomosis.xml, and the stitch that it lays out four times, anastomosis_stitch.csv."""
 import numpy as np
-from stitches import HERE, Stitch, columns, recorders
+from stitches import HERE, columns, recorders, stitch
 
 FACES = 24  # of the tube, around
 RADIUS = 4 * np.cos(np.pi / FACES)  # mm: in the middle of a face
@@ -42,12 +42,12 @@ def gap(degrees):
 
 
 if __name__ == "__main__":
-    stitch = Stitch(bite=2.0, deep=1.4, name="anastomosis_stitch")
+    laid, probes = stitch(bite=2.0, deep=1.4, name="anastomosis_stitch")
     rims = range(0, 360, 45)
     text = HEAD + "".join(gap(degrees) for degrees in rims) + "  </node>\n"
     for degrees in range(0, 360, 90):
-        text += stitch.node(f"at_{degrees}", "/tube/tissue", "0.5 mm", turn=lambda v, a=degrees: turned(v, a),
-                            place=lambda p, a=degrees: turned(p + np.array([0, 0, RADIUS]), a))
+        text += laid.node(f"at_{degrees}", "/tube/tissue", "0.5 mm", probes, turn=lambda v, a=degrees: turned(v, a),
+                          place=lambda p, a=degrees: turned(p + np.array([0, 0, RADIUS]), a))
     tube = [f"/tube/gap_{degrees}.distance" for degrees in rims] + ["/tube/left_end.reaction", "/tube/right_end.reaction", "/tube/rims.force"]
-    text += recorders(tube + columns([f"at_{degrees}" for degrees in range(0, 360, 90)]), "50 ms")
+    text += recorders(tube + columns([f"at_{degrees}" for degrees in range(0, 360, 90)], probes), "50 ms")
     (HERE / "anastomosis.xml").write_text(text)

@@ -1,14 +1,16 @@
 #!/usr/bin/python3
 """Writes load_one.xml, load_two.xml and load_three.xml, and the stitch that they lay out, load_stitch.csv."""
 import numpy as np
-from stitches import HERE, Stitch, columns, recorders
+from stitches import HERE, columns, recorders, stitch
 
 PLACES = {"one": {"middle": 0}, "two": {"front": -4.5, "back": 4.5}, "three": {"front": -6, "middle": 0, "back": 6}}  # y in mm
 
+WOUND = ["/skin/gap_middle.distance", "/skin/gap_end.distance", "/skin/left_clamp.reaction", "/skin/right_clamp.reaction"]
+
 HEAD = """<?xml version="1.0"?>
-<!-- A strip of skin is cut across, closed by {count} and pulled apart, as in a machine that tests what a wound bears (docs/wound.md).
-     A stitch is there from the start: sewn, with a square knot that is as tight as laid, its ends drawn with 20 mN. From 0.1 to 0.9 s
-     the right clamp moves by 2.7 mm. load.py writes this file. -->
+<!-- A strip of skin is cut across, closed by {count} and pulled apart, as in a machine that tests what a
+     wound bears (docs/wound.md). Each is there from the start: sewn, with a square knot that is as tight as laid, its ends drawn with
+     20 mN. From 0.1 to 0.9 s the right clamp moves by 2.7 mm. {writer} writes this file. -->
 <sutura version="1" dt="10 ms" gravity="0 0 0" duration="0.9 s">
   <plugin name="thread"/> <plugin name="tissue"/> <plugin name="suturing"/> <plugin name="tools"/> <plugin name="contact"/> <plugin name="output"/>
 
@@ -28,10 +30,9 @@ HEAD = """<?xml version="1.0"?>
 """
 
 if __name__ == "__main__":
-    stitch = Stitch(bite=2.5, deep=2.5, name="load_stitch")
+    laid, probes = stitch(bite=2.5, deep=2.5, name="load_stitch")
     for number, places in PLACES.items():
-        text = HEAD.format(count=f"{number} stitch" + ("es" if len(places) > 1 else ""))
+        text = HEAD.format(count=f"{number} stitch" + ("es" if len(places) > 1 else ""), writer="load.py")
         for name, y in places.items():
-            text += stitch.node(name, "/skin/tissue", "1 mm", place=lambda p, y=y: p + np.array([0, y, 0]))
-        wound = ["/skin/gap_middle.distance", "/skin/gap_end.distance", "/skin/left_clamp.reaction", "/skin/right_clamp.reaction"]
-        (HERE / f"load_{number}.xml").write_text(text + recorders(wound + columns(places), "50 ms"))
+            text += laid.node(name, "/skin/tissue", "1 mm", probes, place=lambda p, y=y: p + np.array([0, y, 0]))
+        (HERE / f"load_{number}.xml").write_text(text + recorders(WOUND + columns(places, probes), "50 ms"))

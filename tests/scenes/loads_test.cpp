@@ -84,10 +84,29 @@ TEST(Loads, AHangingThreadBearsItsLoad) {
   run.run(0.1);
   const Real per_metre = 27.42021338e-6 * 9.81;  // d01: 27.42 mg/m
   EXPECT_NEAR(run.number("/top", "tension"), 1e-3 + per_metre * 0.0995, 1e-6);
+  EXPECT_LT((run.vector("/top", "force") - Vec3(0, 0, -1e-3 - per_metre * 0.0995)).norm(), 1e-6);
   // Stretch: (P L + w L^2 / 2) / EA, EA of d01.
   const Real EA = 48.10563751, stretch = (1e-3 * 0.1 + per_metre * 0.1 * 0.05) / EA;
   EXPECT_NEAR(-run.vector("/end", "displacement").z(), stretch, 1e-2 * stretch);
   EXPECT_NEAR(run.number("/e", "potential"), -per_metre * 0.1 * 0.05, 1e-4 * per_metre * 0.005);
+}
+
+// A needle that is bent by a load across its end bears that load at every section.
+TEST(Loads, ABentNeedleBearsItsLoadAcrossItself) {
+  TextRun run(
+      "<SutureThread name=\"s\" needle_length=\"20 mm\" needle_angle=\"0\" thread_length=\"2 mm\" "
+      "thread_beams=\"2\" tip_direction=\"-1 0 0\" plane_normal=\"0 1 0\" clamp=\"start\" "
+      "settle=\"true\"/>"
+      "<ThreadLoad at=\"20 mm\" force=\"0 0.01 -0.05 N\"/>"
+      "<ThreadProbe name=\"first\" at=\"1 mm\"/><ThreadProbe name=\"last\" at=\"19 mm\"/>"
+      "<ThreadProbe name=\"beyond\" at=\"21.5 mm\"/>");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.05);
+  const Vec3 load(0, 0.01, -0.05);
+  for (const char* section : {"/first", "/last"})
+    EXPECT_LT((run.vector(section, "force") - load).norm(), step_tolerance * load.norm());
+  EXPECT_LT(std::abs(run.number("/first", "tension")), step_tolerance * load.norm());
+  EXPECT_LT(run.vector("/beyond", "force").norm(), step_tolerance * load.norm());
 }
 
 // Drawn from a straight start into its rest shape: with nothing but a clamp, it takes it.
