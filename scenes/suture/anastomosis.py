@@ -12,9 +12,9 @@ HEAD = """<?xml version="1.0"?>
      square knot that is as tight as laid.
      0.1 to 0.2 s   the right end is pushed until the rims meet
      0.2 to 0.7 s   the tube is pulled in length, by 2 mm
-     0.7 to 1.1 s   and bent by 15 degrees
+     0.7 to 1.1 s   and bent by 15 degrees; meanwhile the ends of the threads, drawn with 20 mN so far, are let go
      anastomosis.py writes this file. -->
-<sutura version="1" dt="10 ms" gravity="0 0 0" duration="1.1 s">
+<sutura version="1" dt="10 ms" gravity="0 0 0" duration="1.3 s">
   <plugin name="thread"/> <plugin name="tissue"/> <plugin name="suturing"/> <plugin name="tools"/> <plugin name="contact"/> <plugin name="output"/>
 
   <node name="tube">

@@ -9,9 +9,12 @@ WOUND = ["/skin/gap_middle.distance", "/skin/gap_end.distance", "/skin/left_clam
 
 HEAD = """<?xml version="1.0"?>
 <!-- A strip of skin is cut across, closed by {count} and pulled apart, as in a machine that tests what a
-     wound bears (docs/wound.md). Each is there from the start: sewn, with a square knot that is as tight as laid, its ends drawn with
-     20 mN. From 0.1 to 0.9 s the right clamp moves by 2.7 mm. {writer} writes this file. -->
-<sutura version="1" dt="10 ms" gravity="0 0 0" duration="0.9 s">
+     wound bears (docs/wound.md). What closes it is there from the start: sewn, with square knots that are as tight as laid.
+     to 0.9 s       the ends of each knot are drawn with 20 mN
+     0.1 to 0.9 s   the right clamp moves by 2.7 mm
+     0.9 to 1.3 s   it rests; the ends are let go, and friction alone holds the knots
+     {writer} writes this file. -->
+<sutura version="1" dt="10 ms" gravity="0 0 0" duration="1.3 s">
   <plugin name="thread"/> <plugin name="tissue"/> <plugin name="suturing"/> <plugin name="tools"/> <plugin name="contact"/> <plugin name="output"/>
 
   <node name="skin">

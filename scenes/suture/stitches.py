@@ -63,8 +63,8 @@ class Laid:
     <Contact name="touches" first="thread" friction="0.4"/>
     <Contact name="on_skin" first="thread" second="{tissue}" friction="0.3"/>
     <Knots name="knot" contact="touches" rigidify="true"/>
-    <ThreadLoad name="first_end" at="0" force="{words(draw)} N" times="0 0.05 s" factors="0 1"/>
-    <ThreadLoad name="last_end" at="{self.length:.3f} mm" force="{words(-draw)} N" times="0 0.05 s" factors="0 1"/>
+    <ThreadLoad name="first_end" at="0" force="{words(draw)} N" times="0 0.05 0.9 1 s" factors="0 1 1 0"/>
+    <ThreadLoad name="last_end" at="{self.length:.3f} mm" force="{words(-draw)} N" times="0 0.05 0.9 1 s" factors="0 1 1 0"/>
 {read}
   </node>
 """
