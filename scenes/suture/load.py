@@ -24,7 +24,6 @@ HEAD = """<?xml version="1.0"?>
     <Attach name="left_clamp" box="-10 -9 -5  -10 9 0 mm"/>
     <Track name="machine" times="0.1 0.9 s" positions="0 0 0  2.7 0 0 mm"/>
     <Attach name="right_clamp" box="10 -9 -5  10 9 0 mm" motion="machine"/>
-    <Contact name="lips" first="tissue" friction="0"/>
     <TissueProbe name="left_middle" point="-0.1 0 -2 mm"/> <TissueProbe name="left_end" point="-0.1 9 -2 mm"/>
     <TissueProbe name="right_middle" point="0.1 0 -2 mm"/> <TissueProbe name="right_end" point="0.1 9 -2 mm"/>
     <Distance name="gap_middle" from="left_middle" to="right_middle"/>
