@@ -18,6 +18,13 @@ class ContactMemory : public TouchedPlaces {
   /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
   /// of this one, or a new one.
   void recognise(std::vector<Touch>& touches, const Pair& pair);
+  /// Those known that were not recognised last time: visit(id, first, second, left_over).
+  template <class Visit>
+  void each_missing(const Visit& visit) const {
+    for (std::size_t i = 0; i < taken_.size(); ++i)
+      if (!taken_[i])
+        visit(places_[i].id, places_[i].first, places_[i].second, places_[i].left_over);
+  }
   /// What the step ends with: those that carry force, and those that rest within a rigid body. Of
   /// one that slipped `left_over` is nothing.
   void remember(const std::vector<Touch>& touches, const Pair& pair);
