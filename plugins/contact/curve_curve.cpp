@@ -42,6 +42,11 @@ Real bend(const CurveSegment& s, Real u, const Vec3& towards, Real distance) {
   return curvature / (1 - std::min(curvature * distance, tightest));
 }
 
+/// Cosine between the way from one place to the other and the tangent t of one of the strands.
+Real slope(const ClosestPair& at, const Vec3& t) {
+  return at.apart.dot(t) / (at.distance * t.norm());
+}
+
 /// Height of `a` over `b` along n: no point of one is closer than that to any of the other.
 Real height_between(const CurveSegment& a, const CurveSegment& b, const Vec3& n) {
   Vec3 p[4], q[4];
@@ -151,9 +156,6 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   }
   if (end.distance > (1 + margin) * R) return;
 
-  const auto slope = [](const ClosestPair& at, const Vec3& t) {
-    return at.apart.dot(t) / (at.distance * t.norm());
-  };
   const auto is_on_b = [&](const ClosestPair& at) {
     return is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size());
   };
@@ -189,19 +191,21 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
 /// At the place of the first, wherever on the segments about that of the second is nearest to it.
 bool CurveCurve::find_again(Real first, Real second, Touch& touch) const {
   if (are_one(first, second)) return false;
-  const std::size_t i = a_.index_at(first), middle = b().index_at(second);
+  const std::size_t i = a_.index_at(first), near = b().index_at(second);
   const CurveSegment& a = a_.now[i];
   const Real u = std::clamp((first - a.from) / a.length(), 0., 1.);
-  const std::size_t last = std::min(middle + 1, b().size() - 1);
-  ClosestPair best;
-  best.distance = std::numeric_limits<Real>::infinity();
-  std::size_t where = middle;
-  for (std::size_t j = middle > 0 ? middle - 1 : 0; j <= last; ++j) {
-    const ClosestPair at = closest_to(a.point(u), u, b().now[j]);
-    if (at.distance < best.distance) best = at, where = j;
+  ClosestPair nearest;
+  nearest.distance = std::numeric_limits<Real>::infinity();
+  std::size_t on = near;
+  for (std::size_t j = near - (near > 0); j <= near + 1 && j < b().size(); ++j) {
+    if (is_self_ && !are_apart(i, j)) continue;
+    const CurveSegment& c = b().now[j];
+    const ClosestPair at = closest_to(a.point(u), u, c);
+    if (at.distance < nearest.distance && is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size()))
+      nearest = at, on = j;
   }
-  if (best.distance > (1 + margin) * reach(a, b().now[where])) return false;
-  touch = touch_at(i, where, best);
+  if (!(nearest.distance < (1 + margin) * reach(a, b().now[on]))) return false;
+  touch = touch_at(i, on, nearest);
   return true;
 }
 
