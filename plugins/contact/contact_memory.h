@@ -1,6 +1,7 @@
 // Contacts from pass to pass and from step to step: who is who, and what sticking has missed.
 #pragma once
 
+#include <compare>
 #include <vector>
 
 #include "touch.h"
@@ -41,8 +42,15 @@ class ContactMemory : public TouchedPlaces {
   };
   static void sort(std::vector<Known>& all);
   std::vector<Known> known_, met_;  ///< at the start of the step; in its passes
-  std::vector<char> taken_;
-  std::vector<Known> places_;  ///< what becomes of `met_`
+  struct Match {
+    Real off = 0;  ///< m
+    std::size_t touch = 0, known = 0;
+    auto operator<=>(const Match&) const = default;
+  };
+  std::vector<Match> matches_;
+  std::vector<char> taken_;         ///< per known
+  std::vector<std::size_t> found_;  ///< per touch: which known it is
+  std::vector<Known> places_;       ///< what becomes of `met_`
   std::uint64_t next_id_ = 0;
 };
 
