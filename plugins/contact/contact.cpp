@@ -178,7 +178,7 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
 /// Which touches there are goes by the shape of the guess: where strands turn from beside each
 /// other to across each other, or one place becomes nearer than another. One that carried force in
 /// the pass before stays a touch of this one, at its place: else its force would be gone from one
-/// pass to the next, and the next would bring it back.
+/// pass to the next, and the one after would bring it back.
 void Contact::keep_what_carries(const ConstraintBuilder& builder) {
   memory_.each_missing([&](std::uint64_t id, Real first, Real second, const Vec2& left_over) {
     if (!(builder.known_force(make_key(source_id_, id)) > 0)) return;
