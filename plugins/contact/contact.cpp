@@ -143,6 +143,7 @@ void Contact::detect(const StepContext& context) {
 
 void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
+  keep_what_carries(builder);
   for (const Touch& t : touches_) {
     Mat3 axes;  // rows: normal, along the first, across both
     axes.row(0) = t.normal;
@@ -155,7 +156,7 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
       // A block that was not there before begins where the touch was last seen.
       Vec3 gap = axes * pair_->slip(t);
       gap.tail<2>() += t.left_over;
-      gap[0] = t.gap;
+      gap[0] = t.gap + t.left;
       blocks_.push_back(
           is_sticky()
               ? builder.add<StaticFriction>(
@@ -164,13 +165,29 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
       builder.begin_with<3>(blocks_.back(), t.lambda);
       pair_->couple(t, blocks_.back(), axes, builder);
     } else {
-      blocks_.push_back(builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap), t.mode));
+      blocks_.push_back(
+          builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap + t.left), t.mode));
       builder.begin_with<1>(blocks_.back(), BlockVector<1>(t.lambda[0]));
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }
     builder.mark_redundant(blocks_.back());
     stiffen(context, t, builder);
   }
+}
+
+/// Which touches there are goes by the shape of the guess: where strands turn from beside each
+/// other to across each other, or one place becomes nearer than another. One that carried force in
+/// the pass before stays a touch of this one, at its place: else its force would be gone from one
+/// pass to the next, and the one after would bring it back.
+void Contact::keep_what_carries(const ConstraintBuilder& builder) {
+  memory_.each_missing([&](std::uint64_t id, Real first, Real second, const Vec2& left_over) {
+    if (!(builder.known_force(make_key(source_id_, id)) > 0)) return;
+    Touch touch;
+    if (!pair_->find_again(first, second, touch)) return;
+    touch.id = id;
+    touch.left_over = left_over;
+    touches_.push_back(touch);
+  });
 }
 
 /// The force of a touch turns with its normal, which linear rows do not know: passes would go to
@@ -197,12 +214,14 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
   force_.setZero();
   closed_ = 0;
   largest_force_ = 0;
+  left_overlap_ = 0;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     Touch& t = touches_[i];
     const BlockId block = blocks_[i];
     const Vec3 force = solved.force(block);
     const Real normal = solved.lambda(block)[0];
     force_ += force;
+    left_overlap_ = std::max(left_overlap_, t.left);
     t.carries = normal > 0;
     closed_ += t.carries;
     largest_force_ = std::max(largest_force_, normal);
@@ -224,6 +243,9 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
 
 std::string Contact::fault() const {
   if (went_through_) return "the step leads the two through each other; take a shorter one";
+  if (left_overlap_ > 0)
+    return "strands overlap by " + format_real(left_overlap_) +
+           " m since a step that was not solved; the next steps take it back";
   if (unseen_overlap_ > 0)
     return "edges of the two cross, " + format_real(unseen_overlap_) +
            " m deep, where neither has a node; make the mesh finer";

@@ -32,6 +32,8 @@ class Contact : public Component, public ConstraintSource {
   const std::vector<Touch>& touches() const { return touches_; }
 
  private:
+  /// Touches of the pass before that carried force are touches of this one.
+  void keep_what_carries(const ConstraintBuilder& builder);
   void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
   std::unique_ptr<Pair> make_pair(Setup& setup) const;
 
@@ -53,6 +55,7 @@ class Contact : public Component, public ConstraintSource {
   Real largest_force_ = 0;
   bool went_through_ = false;
   Real unseen_overlap_ = 0;  ///< m
+  Real left_overlap_ = 0;    ///< that the step did not have to take back (m)
 };
 
 }  // namespace sutura::contact

@@ -14,34 +14,44 @@ Real ContactMemory::between(Real low, Real high) const {
   return it != met_.end() && it->first < high ? it->first : std::numeric_limits<Real>::quiet_NaN();
 }
 
-/// `met_` is sorted by the first place: only those within the tolerance are compared.
+/// Those that are nearest to each other are the same: the order of touches must not matter, else
+/// one that is new takes the name of another that is still there. `met_` is sorted by the first
+/// place: only those within the tolerance are compared.
 void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
-  taken_.assign(met_.size(), 0);
-  places_.clear();
   const std::size_t known = met_.size();
-  for (Touch& t : touches) {
+  matches_.clear();
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const Touch& t = touches[i];
     const Pair::Tolerance near = pair.tolerance(t);
-    auto it = std::lower_bound(met_.begin(), met_.end(), t.first_place - near.first,
-                               [](const Known& k, Real place) { return k.first < place; });
-    std::size_t best = known;
-    Real least = std::numeric_limits<Real>::infinity();
-    for (auto i = static_cast<std::size_t>(it - met_.begin());
-         i < known && met_[i].first <= t.first_place + near.first; ++i) {
-      const Real second = std::abs(met_[i].second - t.second_place);
-      if (taken_[i] || second > near.second) continue;
-      const Real off = std::abs(met_[i].first - t.first_place) + second;
-      if (off < least) least = off, best = i;
+    const auto it = std::lower_bound(met_.begin(), met_.end(), t.first_place - near.first,
+                                     [](const Known& k, Real place) { return k.first < place; });
+    for (auto k = static_cast<std::size_t>(it - met_.begin());
+         k < known && met_[k].first <= t.first_place + near.first; ++k) {
+      const Real second = std::abs(met_[k].second - t.second_place);
+      if (second <= near.second)
+        matches_.push_back({std::abs(met_[k].first - t.first_place) + second, i, k});
     }
-    if (best < known) {
-      taken_[best] = 1;
-      t.id = met_[best].id;
-      t.left_over = met_[best].left_over;
-      if (met_[best].rests) t.lambda = met_[best].lambda, t.mode = met_[best].mode;
+  }
+  std::sort(matches_.begin(), matches_.end());
+  taken_.assign(known, 0);
+  found_.assign(touches.size(), known);
+  for (const Match& m : matches_)
+    if (!taken_[m.known] && found_[m.touch] == known)
+      taken_[m.known] = 1, found_[m.touch] = m.known;
+  places_.clear();
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    Touch& t = touches[i];
+    bool rests = false;
+    if (found_[i] < known) {
+      const Known& same = met_[found_[i]];
+      t.id = same.id;
+      t.left_over = same.left_over;
+      rests = same.rests;
+      if (rests) t.lambda = same.lambda, t.mode = same.mode;
     } else {
       t.id = next_id_++;
     }
-    places_.push_back({t.id, t.first_place, t.second_place, t.left_over, t.lambda, t.mode,
-                       best < known && met_[best].rests});
+    places_.push_back({t.id, t.first_place, t.second_place, t.left_over, t.lambda, t.mode, rests});
   }
   // Where they are now, and those that were not found this time where they were.
   for (std::size_t i = 0; i < known; ++i)

@@ -1,6 +1,7 @@
 // Contacts from pass to pass and from step to step: who is who, and what sticking has missed.
 #pragma once
 
+#include <compare>
 #include <vector>
 
 #include "touch.h"
@@ -18,6 +19,13 @@ class ContactMemory : public TouchedPlaces {
   /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
   /// of this one, or a new one.
   void recognise(std::vector<Touch>& touches, const Pair& pair);
+  /// Those known that were not recognised last time: visit(id, first, second, left_over).
+  template <class Visit>
+  void each_missing(const Visit& visit) const {
+    for (std::size_t i = 0; i < taken_.size(); ++i)
+      if (!taken_[i])
+        visit(places_[i].id, places_[i].first, places_[i].second, places_[i].left_over);
+  }
   /// What the step ends with: those that carry force, and those that rest within a rigid body. Of
   /// one that slipped `left_over` is nothing.
   void remember(const std::vector<Touch>& touches, const Pair& pair);
@@ -34,8 +42,15 @@ class ContactMemory : public TouchedPlaces {
   };
   static void sort(std::vector<Known>& all);
   std::vector<Known> known_, met_;  ///< at the start of the step; in its passes
-  std::vector<char> taken_;
-  std::vector<Known> places_;  ///< what becomes of `met_`
+  struct Match {
+    Real off = 0;  ///< m
+    std::size_t touch = 0, known = 0;
+    auto operator<=>(const Match&) const = default;
+  };
+  std::vector<Match> matches_;
+  std::vector<char> taken_;         ///< per known
+  std::vector<std::size_t> found_;  ///< per touch: which known it is
+  std::vector<Known> places_;       ///< what becomes of `met_`
   std::uint64_t next_id_ = 0;
 };
 

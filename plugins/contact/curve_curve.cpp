@@ -42,6 +42,11 @@ Real bend(const CurveSegment& s, Real u, const Vec3& towards, Real distance) {
   return curvature / (1 - std::min(curvature * distance, tightest));
 }
 
+/// Cosine between the way from one place to the other and the tangent t of one of the strands.
+Real slope(const ClosestPair& at, const Vec3& t) {
+  return at.apart.dot(t) / (at.distance * t.norm());
+}
+
 /// Height of `a` over `b` along n: no point of one is closer than that to any of the other.
 Real height_between(const CurveSegment& a, const CurveSegment& b, const Vec3& n) {
   Vec3 p[4], q[4];
@@ -151,9 +156,6 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   }
   if (end.distance > (1 + margin) * R) return;
 
-  const auto slope = [](const ClosestPair& at, const Vec3& t) {
-    return at.apart.dot(t) / (at.distance * t.norm());
-  };
   const auto is_on_b = [&](const ClosestPair& at) {
     return is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size());
   };
@@ -167,7 +169,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
     if (!is_on_b(at)) continue;
     nearest = std::min(nearest, at.distance);
     const bool is_mine = u < 1 || i + 1 == a_.size();
-    if (is_mine && at.distance < (1 + node_margin) * R) touch_at(i, j, at, out);
+    if (is_mine && at.distance < (1 + node_margin) * R) out.push_back(touch_at(i, j, at));
   }
   for (Real place = a.abscissa(at_node); is_along;) {
     place = before.between(place, a.abscissa(1 - at_node));
@@ -176,17 +178,48 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
     const ClosestPair at = closest_to(a.point(u), u, c);
     if (!is_on_b(at) || at.distance > (1 + margin) * R) continue;
     nearest = std::min(nearest, at.distance);
-    touch_at(i, j, at, out);
+    out.push_back(touch_at(i, j, at));
   }
   const bool is_on_a = is_lowest(end.u, slope(end, a.slope(end.u)), i, a_.size());
-  if (is_on_a && is_on_b(end) && end.distance < nearest - dip * R) touch_at(i, j, end, out);
+  // Where strands are deep in each other the nearest place always is a touch: beside one that is
+  // pushed apart they may come closer.
+  const bool is_deep = end.distance < (1 - 2 * dip) * R;
+  if (is_on_a && is_on_b(end) && (is_deep || end.distance < nearest - dip * R))
+    out.push_back(touch_at(i, j, end));
 }
 
-void CurveCurve::touch_at(std::size_t i, std::size_t j, const ClosestPair& at,
-                          std::vector<Touch>& out) const {
+/// At the place of the first, wherever on the segments about that of the second is nearest to it.
+bool CurveCurve::find_again(Real first, Real second, Touch& touch) const {
+  if (are_one(first, second)) return false;
+  const std::size_t i = a_.index_at(first), near = b().index_at(second);
+  const CurveSegment& a = a_.now[i];
+  const Real u = std::clamp((first - a.from) / a.length(), 0., 1.);
+  ClosestPair nearest;
+  nearest.distance = std::numeric_limits<Real>::infinity();
+  std::size_t on = near;
+  for (std::size_t j = near - (near > 0); j <= near + 1 && j < b().size(); ++j) {
+    if (is_self_ && !are_apart(i, j)) continue;
+    const CurveSegment& c = b().now[j];
+    const ClosestPair at = closest_to(a.point(u), u, c);
+    if (at.distance < nearest.distance && is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size()))
+      nearest = at, on = j;
+  }
+  if (!(nearest.distance < (1 + margin) * reach(a, b().now[on]))) return false;
+  touch = touch_at(i, on, nearest);
+  return true;
+}
+
+/// Of what segments overlap as the step begins, a step takes back so much and leaves the rest:
+/// taken back at once, a deep overlap would throw the strands about.
+Real CurveCurve::left_of_overlap(std::size_t i, std::size_t j, Real reach) const {
+  const Real overlap = reach - closest_on(a_.start[i], b().start[j], reach).distance;
+  return std::max(Real(0), overlap - dip * reach);
+}
+
+Touch CurveCurve::touch_at(std::size_t i, std::size_t j, const ClosestPair& at) const {
   const CurveSegment &a = a_.now[i], &c = b().now[j];
   const Real R = reach(a, c);
-  Touch& t = out.emplace_back();
+  Touch t;
   t.first_place = a.abscissa(at.u);
   t.second_place = c.abscissa(at.v);
   t.normal = at.apart / at.distance;
@@ -195,11 +228,13 @@ void CurveCurve::touch_at(std::size_t i, std::size_t j, const ClosestPair& at,
   t.second_arm = at.apart * (c.radius / R);
   t.at = a.point(at.u) + t.first_arm;
   t.gap = at.distance - R;
+  if (t.gap < -dip * R) t.left = left_of_overlap(i, j, R);
   // Signs so that a strand that is bent round the other has a positive radius.
   t.first_bend = bend(a, at.u, -t.normal, at.distance);
   t.second_bend = bend(c, at.v, t.normal, at.distance);
   t.first_tangent = t.along.normalized();
   t.second_tangent = c.slope(at.v).normalized();
+  return t;
 }
 
 /// At a node, two segments may have found one and the same place. The nearer one stays.

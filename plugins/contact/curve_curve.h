@@ -12,6 +12,7 @@ class CurveCurve : public Pair {
   CurveCurve(const SegmentedCurve& first, const SegmentedCurve& second)
       : first_(first), second_(second), is_self_(&first == &second) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  bool find_again(Real first, Real second, Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
@@ -32,7 +33,8 @@ class CurveCurve : public Pair {
   template <class Meet>
   void each_pair(std::size_t i, std::size_t j, Real margin, const Meet& meet) const;
   void meet(std::size_t i, std::size_t j, const TouchedPlaces& before, std::vector<Touch>& out);
-  void touch_at(std::size_t i, std::size_t j, const ClosestPair& at, std::vector<Touch>& out) const;
+  Real left_of_overlap(std::size_t i, std::size_t j, Real reach) const;
+  Touch touch_at(std::size_t i, std::size_t j, const ClosestPair& at) const;
   /// Is the point of a pair that is closest on its segment also so on the curve around?
   static bool is_lowest(Real u, Real slope, std::size_t segment, std::size_t segments);
   static void drop_doubles(std::vector<Touch>& touches, std::size_t from);

@@ -34,10 +34,12 @@ struct MovingCurve {
     points[0] = s.xa, points[1] = s.xa + s.ma / 3, points[2] = s.xb - s.mb / 3, points[3] = s.xb;
   }
   /// Now: the segment at this abscissa.
-  const CurveSegment& segment_at(Real s) const {
-    return *std::lower_bound(now.begin(), now.end() - 1, s,
-                             [](const CurveSegment& g, Real at) { return g.to < at; });
+  std::size_t index_at(Real s) const {
+    const auto it = std::lower_bound(now.begin(), now.end() - 1, s,
+                                     [](const CurveSegment& g, Real at) { return g.to < at; });
+    return static_cast<std::size_t>(it - now.begin());
   }
+  const CurveSegment& segment_at(Real s) const { return now[index_at(s)]; }
   static void add_to(Box& box, const CurveSegment& s) {
     Vec3 points[4];
     hull(s, points);

@@ -25,6 +25,7 @@ struct Touch {
   Vec3 first_arm = Vec3::Zero();     ///< from the centre of the section to there (m)
   Vec3 second_arm = Vec3::Zero();    ///< likewise
   Real gap = 0;                      ///< between the surfaces; negative where they overlap (m)
+  Real left = 0;                     ///< of an overlap at the start: what the step leaves of it (m)
   /// A strand that is bent round the other turns the normal as the other moves along it: by so much
   /// per length (1/m), and along which direction. Where it counts for nothing, 0.
   Real first_bend = 0, second_bend = 0;
@@ -55,6 +56,9 @@ class Pair {
   /// What was touched before is a touch again while it is near: touches do not come and go with
   /// the passes of a step.
   virtual void find(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
+  /// A touch of these places of the two, which `find` has not found this time: `touch` as it is at
+  /// the guess. False if they are no longer near each other, or if the pair does not know how.
+  virtual bool find_again(Real /*first*/, Real /*second*/, Touch& /*touch*/) const { return false; }
   /// Of the last `find`: how much of that way is free.
   Real free_way() const { return free_way_; }
   /// How far the first has moved over the step relative to the second, at the touch (m).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "rod_potential.h"
 
@@ -131,9 +132,10 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
     }
     scale += negligible * everywhere;
     const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / length);
-    if (!(size <= worst.force)) worst.force = size;
-    const Real relative = scale > 0 ? size / scale : 0;
-    if (!(relative <= worst.relative)) worst.relative = relative;
+    // What is not a number at one node stays so: the next one must not hide it.
+    if (!std::isfinite(size)) return {size, size};
+    worst.force = std::max(worst.force, size);
+    if (scale > 0) worst.relative = std::max(worst.relative, size / scale);
   }
   return worst;
 }

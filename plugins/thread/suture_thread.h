@@ -58,7 +58,10 @@ class SutureThread : public Component,
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
   void motion(VecX& out) const override { out = step_.guess().motion; }
-  void move_to(const StepContext&, const VecX& motion) override { step_.move_to(rod_, motion); }
+  void move_to(const StepContext&, const VecX& motion) override {
+    factored_ = true;  // what could not be factored was another guess
+    step_.move_to(rod_, motion);
+  }
   Imbalance imbalance(const StepContext& context, const VecX& force) override;
   Real time_error(const StepContext&) const override { return step_.time_error(rod_); }
   Index least_passes() const override { return newton_iterations; }

@@ -64,6 +64,37 @@ TEST(ContactMemory, TouchesThatMoveTogetherKeepTheirNames) {
   }
 }
 
+// A touch that is new and comes first does not take the name of one that is still there.
+TEST(ContactMemory, WhoIsNearestKeepsTheName) {
+  for (const bool new_one_first : {true, false}) {
+    ContactMemory memory;
+    memory.begin_step();
+    auto now = touches({{1, 0}});
+    memory.recognise(now, Near());
+    auto later = new_one_first ? touches({{0.6, 0}, {1, 0}}) : touches({{1, 0}, {0.6, 0}});
+    memory.recognise(later, Near());
+    EXPECT_EQ(later[new_one_first ? 1 : 0].id, now[0].id);
+    EXPECT_NE(later[new_one_first ? 0 : 1].id, now[0].id);
+  }
+}
+
+TEST(ContactMemory, KnowsWhoIsMissing) {
+  ContactMemory memory;
+  memory.begin_step();
+  auto now = touches({{1, 0}, {3, 2}});
+  memory.recognise(now, Near());
+  auto fewer = touches({{1.1, 0}});
+  memory.recognise(fewer, Near());
+  int missing = 0;
+  memory.each_missing([&](std::uint64_t id, Real first, Real second, const Vec2&) {
+    ++missing;
+    EXPECT_EQ(id, now[1].id);
+    EXPECT_EQ(first, 3);
+    EXPECT_EQ(second, 2);
+  });
+  EXPECT_EQ(missing, 1);
+}
+
 TEST(ContactMemory, OnlyWhatCarriesIsKnownInTheNextStep) {
   ContactMemory memory;
   memory.begin_step();

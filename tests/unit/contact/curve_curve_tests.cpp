@@ -1,0 +1,81 @@
+// Touches of two straight threads of 0.2 mm, one along x and one across it, against plane geometry.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "contact_memory.h"
+#include "curve_curve.h"
+#include "scenes/text_run.h"
+
+namespace sutura::contact {
+namespace {
+
+using testing::TextRun;
+
+constexpr Real diameter = 0.2e-3;
+
+/// The second lies `height` below the first and at `degrees` to it.
+TextRun crossed(Real height, Real degrees) {
+  const Real angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+  const auto thread = [](const std::string& name, Real x, Real y, Real z) {
+    const auto text = [](Real a, Real b, Real d) {
+      return std::to_string(a) + ' ' + std::to_string(b) + ' ' + std::to_string(d);
+    };
+    return "<SutureThread name='" + name +
+           "' needle_length='0' thread_diameter='0.2 mm' thread_length='20 mm' thread_beams='20' "
+           "tip='" +
+           text(10 * x, 10 * y, z) + " mm' tip_direction='" + text(x, y, 0) + "' plane_normal='" +
+           text(-y, x, 0) + "'/>";
+  };
+  return TextRun(thread("a", 1, 0, 0) + thread("b", c, s, -1e3 * height));
+}
+
+struct Crossed {
+  Crossed(Real height, Real degrees)
+      : run(crossed(height, degrees)),
+        pair(run.component<SegmentedCurve>("/a"), run.component<SegmentedCurve>("/b")) {
+    memory.begin_step();
+    pair.find(memory, touches);
+  }
+  TextRun run;
+  CurveCurve pair;
+  ContactMemory memory;
+  std::vector<Touch> touches;
+};
+
+// Whatever the angle: touches at nodes below 60 degrees, one where they cross above.
+TEST(CurveCurve, FindsATouchAgainAtItsPlace) {
+  constexpr Real height = 0.19e-3, place = 10.03e-3, aside = 0.03e-3;
+  for (const Real degrees : {55., 59., 61., 65.}) {
+    const Crossed threads(height, degrees);
+    Touch touch;
+    ASSERT_TRUE(threads.pair.find_again(place, place, touch)) << degrees;
+    EXPECT_NEAR(touch.first_place, place, 1e-9);
+    const Real across = aside * std::sin(degrees * std::numbers::pi / 180);
+    EXPECT_NEAR(touch.gap, std::hypot(height, across) - diameter, 1e-9) << degrees;
+    // Half a thickness away there is none.
+    EXPECT_FALSE(threads.pair.find_again(10.4e-3, 10.4e-3, touch)) << degrees;
+  }
+}
+
+// Threads that begin 0.05 mm deep in each other: a step takes a twentieth of the thickness back and
+// leaves the rest.
+TEST(CurveCurve, TakesADeepOverlapBackInSteps) {
+  for (const Real degrees : {30., 90.}) {
+    const Crossed threads(0.15e-3, degrees);
+    ASSERT_FALSE(threads.touches.empty());
+    Real deepest = 0;
+    for (const Touch& t : threads.touches) {
+      deepest = std::min(deepest, t.gap);
+      if (t.gap < -diameter / 20) {
+        EXPECT_NEAR(t.gap + t.left, t.gap + 0.04e-3, 1e-9);
+      }
+    }
+    EXPECT_NEAR(deepest, -0.05e-3, 1e-9);
+  }
+  // What overlaps by less is taken back at once.
+  for (const Touch& t : Crossed(0.192e-3, 90).touches) EXPECT_EQ(t.left, 0);
+}
+
+}  // namespace
+}  // namespace sutura::contact

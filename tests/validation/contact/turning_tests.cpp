@@ -1,0 +1,77 @@
+// Two threads are pulled across each other and turned about each other, through the angle (60
+// degrees) at which touches at nodes take over from the touch at the nearest place.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <sstream>
+
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+/// One thread lies along x, its hands go down by `down`; the other lies at `from` degrees to it,
+/// and its hands turn it to `to`.
+std::string turned_threads(Real from, Real to, Real down, const std::string& more) {
+  const auto point = [](Real degrees, Real radius) {
+    const Real angle = degrees * std::numbers::pi / 180;
+    return Vec3(radius * std::cos(angle), radius * std::sin(angle), 0);
+  };
+  const auto text = [](const Vec3& v) {
+    std::ostringstream out;
+    out << v.x() << ' ' << v.y() << ' ' << v.z();
+    return out.str();
+  };
+  const auto thread = [&](const std::string& name, Real degrees, Real height, int beams) {
+    const Vec3 along = point(degrees, 1);
+    return "<SutureThread name='" + name +
+           "' needle_length='0' thread_young='2 GPa' thread_density='1100' "
+           "thread_diameter='0.2 mm' bending_factor='0.05' damping_stiffness='0.1 ms' "
+           "damping_mass='20 1/s' thread_length='20 mm' thread_beams='" +
+           std::to_string(beams) + "' tip='" + text(0.01 * along + height * Vec3::UnitZ()) +
+           "' tip_direction='" + text(along) + "' plane_normal='" + text(-point(degrees + 90, 1)) +
+           "'/>";
+  };
+  const auto hand = [&](const std::string& body, bool first, const Vec3& way, Real begin,
+                        Real end) {
+    std::ostringstream out;
+    const std::string name = body + (first ? "0" : "1");
+    out << "<Track name='" << name << "_way' times='" << begin << ' ' << end
+        << " s' positions='0 0 0 " << text(way) << "'/><Grasper name='" << name << "' body='"
+        << body << "' track='" << name << "_way' at='" << (first ? 0 : 20)
+        << " mm' rotation_stiffness='0'/>";
+    return out.str();
+  };
+  const Vec3 turn = point(to, 0.01) - point(from, 0.01), pull(0, 0, -down);
+  return "<plugin name='contact'/>" + thread("a", 0, 0.12e-3, 60) +
+         thread("b", from, -0.12e-3, 67) + hand("a", true, pull, 0, 0.05) +
+         hand("a", false, pull, 0, 0.05) + hand("b", true, turn, 0.05, 0.4) +
+         hand("b", false, -turn, 0.05, 0.4) + "<Contact first='a' second='b' " + more + "/>";
+}
+
+TEST(TurningStrands, KeepTheForcesOfTheirTouches) {
+  for (const bool rubs : {true, false}) {
+    const std::string friction = rubs ? "friction='0.3'" : "friction='0'";
+    TextRun run(
+        rubs ? turned_threads(50, 70, 6e-3, friction) : turned_threads(70, 50, 6e-3, friction),
+        "dt='5 ms' gravity='0 0 0'");
+    ASSERT_TRUE(run) << run.said();
+    int missed = 0, passes = 0;
+    for (int step = 0; step < 90; ++step) {
+      const StepReport& report = run.simulation().step();
+      missed += !report.solved;
+      passes += static_cast<int>(report.passes);
+      // A twentieth of the thickness may stay between two touches.
+      EXPECT_GT(run.number("/contact", "distance"), -0.01e-3) << step;
+    }
+    std::printf("%s: %d of 90 steps missed their tolerance, %d passes\n", friction.c_str(), missed,
+                passes);
+    // Bent round each other at a right angle within a diameter, not all are solved. Where touches
+    // lost their force between passes it was 51 and 81 of 90 steps, and 300 to 490 passes each.
+    EXPECT_LE(missed, 20);
+    EXPECT_LE(passes, 90 * 100);
+  }
+}
+
+}  // namespace
+}  // namespace sutura::testing
