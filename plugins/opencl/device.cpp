@@ -119,7 +119,7 @@ std::string list_devices() {
   return out.empty() ? std::string(no_device) + "\n" : out;
 }
 
-Device::Device(const DeviceChoice& choice) {
+Device::Device(const DeviceChoice& choice) : timed_(choice.timed) {
   const std::vector<Found> all = find_devices();
   if (all.empty()) throw DeviceError(no_device);
   std::vector<Found> fitting;
@@ -143,12 +143,13 @@ Device::Device(const DeviceChoice& choice) {
   cl_int code = CL_SUCCESS;
   context_ = clCreateContext(nullptr, 1, &id_, nullptr, nullptr, &code);
   check(code, "opening it");
-  queue_ = clCreateCommandQueue(context_, id_, 0, &code);
+  queue_ = clCreateCommandQueue(context_, id_, timed_ ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
   if (code != CL_SUCCESS) clReleaseContext(context_);
   check(code, "opening its queue");
 }
 
 Device::~Device() {
+  for (const Launch& l : launches_) clReleaseEvent(l.event);
   clReleaseCommandQueue(queue_);
   clReleaseContext(context_);
 }
@@ -167,6 +168,24 @@ void Device::finish() const {
 
 void Device::drain() const noexcept {
   clFinish(queue_);
+}
+
+std::vector<KernelTime> Device::take_times() {
+  finish();
+  std::vector<KernelTime> out;
+  for (const Launch& l : launches_) {
+    cl_ulong begin = 0, end = 0;
+    clGetEventProfilingInfo(l.event, CL_PROFILING_COMMAND_START, sizeof(begin), &begin, nullptr);
+    clGetEventProfilingInfo(l.event, CL_PROFILING_COMMAND_END, sizeof(end), &end, nullptr);
+    clReleaseEvent(l.event);
+    auto k = std::ranges::find(out, l.kernel, &KernelTime::name);
+    if (k == out.end()) k = out.insert(k, {l.kernel});
+    ++k->launches;
+    k->us += 1e-3 * static_cast<double>(end - begin);
+  }
+  launches_.clear();
+  std::ranges::sort(out, std::ranges::greater{}, &KernelTime::us);
+  return out;
 }
 
 cl_program Device::build(const std::string& source, const std::string& options) const {
@@ -294,9 +313,11 @@ void Kernel::set(cl_uint at, float value) {
 void Kernel::enqueue(std::size_t total, std::size_t group) {
   total = (total + group - 1) / group * group;
   if (total == 0) return;
+  cl_event event = nullptr;
   device_->check(clEnqueueNDRangeKernel(device_->queue(), kernel_, 1, nullptr, &total, &group, 0,
-                                        nullptr, nullptr),
+                                        nullptr, device_->timed_ ? &event : nullptr),
                  "running the kernel", name_);
+  if (device_->timed_) device_->launches_.push_back({name_, event});
 }
 
 }  // namespace sutura::opencl

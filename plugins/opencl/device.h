@@ -18,6 +18,14 @@ struct DeviceChoice {
   std::string name;  ///< part of the device's name, upper or lower case; empty: any
   DeviceType type = DeviceType::any;
   Index index = 0;  ///< among those that fit
+  bool timed = false;  ///< notes how long every kernel takes (see take_times)
+};
+
+/// All launches of one kernel.
+struct KernelTime {
+  std::string name;
+  int launches = 0;
+  double us = 0;  ///< from the first item to the last, without what a launch costs
 };
 
 /// One line for each device of this machine, or a sentence that says that there is none.
@@ -45,6 +53,8 @@ class Device {
   void drain() const noexcept;
   /// Throws DeviceError unless `code` is CL_SUCCESS. `what` was done, and to which.
   void check(cl_int code, const char* what, const std::string& which = {}) const;
+  /// Of a device that was opened `timed`: what has run since the last call, longest first. Waits.
+  std::vector<KernelTime> take_times();
   /// For tests: from now on every call fails as if the device had gone.
   void lose() { lost_ = true; }
 
@@ -53,8 +63,14 @@ class Device {
   cl_context context_ = nullptr;
   cl_command_queue queue_ = nullptr;
   std::string name_;
-  bool has_double_ = false, lost_ = false;
+  bool has_double_ = false, lost_ = false, timed_ = false;
   std::size_t largest_group_ = 1;
+  friend class Kernel;
+  struct Launch {
+    std::string kernel;
+    cl_event event;
+  };
+  mutable std::vector<Launch> launches_;
 };
 
 /// Memory on the device that keeps its size when less is asked for.

@@ -21,6 +21,7 @@ class Solves {
   const std::vector<std::int32_t>& row_of() const { return row_of_; }
   /// x <- (L L^T)^-1 b, unless *done.
   void solve(const Buffer& b, const Buffer& x, const Buffer& done);
+  const Schedule& schedule() const { return schedule_; }
   std::size_t launches() const { return 2 + 4 * schedule_.levels.size(); }
 
  private:

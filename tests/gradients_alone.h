@@ -1,0 +1,37 @@
+// Conjugate gradients on a device for an AsyncSolver, without the component of a scene.
+#pragma once
+
+#include "gradients.h"
+#include "sutura/device.h"
+
+namespace sutura::opencl {
+
+class GradientsAlone : public ConjugateGradientDevice {
+ public:
+  explicit GradientsAlone(Gradients& gradients) : gradients_(gradients) {}
+  bool claim() override { return true; }
+  bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) override {
+    gradients_.set_matrix(A, fixed);
+    return true;
+  }
+  bool set_factor(const SupernodalFactor& factor) override {
+    gradients_.set_factor(factor);
+    return true;
+  }
+  bool set_turns(std::span<const Mat3> turns) override {
+    gradients_.set_turns(turns);
+    return true;
+  }
+  bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
+             Index max_iterations, Report& report) override {
+    report = gradients_.solve(b, x, tolerance, max_iterations);
+    return true;
+  }
+  const std::string& why_not() const override { return why_not_; }
+
+ private:
+  Gradients& gradients_;
+  std::string why_not_;
+};
+
+}  // namespace sutura::opencl
