@@ -27,6 +27,11 @@ class GradientsAlone : public ConjugateGradientDevice {
     report = gradients_.solve(b, x, tolerance, max_iterations);
     return true;
   }
+  bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                          Eigen::Ref<MatX> entries) override {
+    gradients_.entries_of_inverse(rows, columns, entries);
+    return true;
+  }
   const std::string& why_not() const override { return why_not_; }
 
  private:

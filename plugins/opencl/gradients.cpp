@@ -136,10 +136,10 @@ void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed)
 void Gradients::set_factor(const SupernodalFactor& factor) {
   solves_.set_factor(factor);
   row_of_.write(factor.row_of);
-  std::vector<std::int32_t> position(static_cast<std::size_t>(3 * nodes_), -1);
+  known_position_.assign(static_cast<std::size_t>(3 * nodes_), -1);
   for (std::size_t k = 0; k < factor.row_of.size(); ++k)
-    position[static_cast<std::size_t>(factor.row_of[k])] = static_cast<std::int32_t>(k);
-  position_.write(position);
+    known_position_[static_cast<std::size_t>(factor.row_of[k])] = static_cast<std::int32_t>(k);
+  position_.write(known_position_);
   const std::size_t real = has_double_sums(precision_) ? 8 : 4;
   for (Buffer* b : {&factor_b_, &factor_x_})
     b->reserve(static_cast<std::size_t>(factor.size) * real);
@@ -149,6 +149,24 @@ void Gradients::set_factor(const SupernodalFactor& factor) {
 void Gradients::set_turns(std::span<const Mat3> turns) {
   write_reals(turns_, turns.front().data(), 9 * turns.size());
   device_.finish();
+}
+
+void Gradients::entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                                   Eigen::Ref<MatX> entries) {
+  const auto find = [&](std::span<const Index> unknowns, std::vector<std::int32_t>& positions) {
+    positions.clear();
+    for (const Index i : unknowns)
+      positions.push_back(known_position_[static_cast<std::size_t>(i)]);
+  };
+  find(rows, entry_rows_);
+  for (std::size_t first = 0; first < columns.size(); first += Solves::columns) {
+    const std::size_t count =
+        std::min(static_cast<std::size_t>(Solves::columns), columns.size() - first);
+    find(columns.subspan(first, count), entry_columns_);
+    solves_.entries_of_inverse(
+        entry_rows_, entry_columns_,
+        entries.middleCols(static_cast<Index>(first), static_cast<Index>(count)));
+  }
 }
 
 void Gradients::product() {

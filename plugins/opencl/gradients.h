@@ -21,12 +21,17 @@ class Solves {
   const std::vector<std::int32_t>& row_of() const { return row_of_; }
   /// x <- (L L^T)^-1 b, unless *done.
   void solve(const Buffer& b, const Buffer& x, const Buffer& done);
+  static constexpr int columns = 32;  ///< as in many_solves.cl
+  /// entries <- those of (L L^T)^-1 at `rows` of at most `columns` columns, by columns. Positions
+  /// in the factor; -1: zero. Waits.
+  void entries_of_inverse(const std::vector<std::int32_t>& rows,
+                          const std::vector<std::int32_t>& of_columns, Eigen::Ref<MatX> entries);
   const Schedule& schedule() const { return schedule_; }
   std::size_t launches() const { return 2 + 4 * schedule_.levels.size(); }
 
  private:
   struct Program;
-  Program& program(bool rough);
+  struct Many;
   bool same_pattern(const SupernodalFactor& factor) const;
 
   const Device& device_;
@@ -35,6 +40,7 @@ class Solves {
   Schedule schedule_;
   std::vector<std::int32_t> first_column_, row_, row_of_;  // the pattern that `schedule_` is for
   std::unique_ptr<Program> program_;
+  std::unique_ptr<Many> many_;
   Buffer panels_, gather_start_, gather_, rows_, subtree_start_, subtree_, row_tasks_, below_tasks_,
       column_tasks_, value_, inverse_, below_, y_;
 };
@@ -56,6 +62,9 @@ class Gradients {
   void set_turns(std::span<const Mat3> turns);
   ConjugateGradientDevice::Report solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
                                         Real tolerance, Index max_iterations);
+  /// As ConjugateGradientDevice has it.
+  void entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                          Eigen::Ref<MatX> entries);
   /// For benchmarks, after `begin`: one product with A, one application of P^-1; enqueued, not
   /// waited for.
   void begin(const Eigen::Ref<const VecX>& b);
@@ -85,6 +94,7 @@ class Gradients {
   int nodes_ = 0;
   std::vector<std::int32_t> row_start_, column_;  // the pattern on the device
   std::vector<char> fixed_;
+  std::vector<std::int32_t> known_position_, entry_rows_, entry_columns_;
   Buffer full_start_, entries_, columns_, is_fixed_, values_, turns_, row_of_, position_;
   Buffer b_, x_, r_, z_, p_, q_, factor_b_, factor_x_, size2_, residual2_, rz_[2], pq_, status_;
   std::vector<float> rounded_;

@@ -107,4 +107,12 @@ bool OpenClDevice::solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Re
   });
 }
 
+bool OpenClDevice::entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                                      Eigen::Ref<MatX> entries) {
+  return attempt([&] {
+    gradients_->entries_of_inverse(rows, columns, entries);
+    return std::string();
+  });
+}
+
 }  // namespace sutura::opencl

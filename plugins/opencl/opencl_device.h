@@ -37,6 +37,8 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
   bool set_turns(std::span<const Mat3> turns) override;
   bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
              Index max_iterations, ConjugateGradientDevice::Report& report) override;
+  bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                          Eigen::Ref<MatX> entries) override;
 
   const std::string& why_not() const override { return why_not_; }
   /// The device, null where there is none. For tests, which lose it.

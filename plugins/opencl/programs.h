@@ -6,6 +6,7 @@ namespace sutura::opencl::programs {
 extern const char* const laws;
 extern const char* const sweep;
 extern const char* const solves;
+extern const char* const many_solves;
 extern const char* const gradients;
 extern const char* const batch;
 extern const char* const batch_solve;

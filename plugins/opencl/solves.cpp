@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "gradients.h"
-#include "programs.h"
+#include "solves_program.h"
 
 namespace sutura::opencl {
 namespace {
@@ -12,24 +12,26 @@ constexpr std::int64_t least_subtree = 20000, subtrees = 600;  // so that all un
 
 }  // namespace
 
-struct Solves::Program {
-  Program(const Device& device, Precision precision, bool rough)
-      : rough(rough),
-        program(device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
-                                 " number;\n" + programs::solves,
-                             "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width))),
-        invert(device, program, "invert"),
-        rows(device, program, "solve_rows"),
-        below(device, program, "solve_below"),
-        back_below(device, program, "solve_back_below"),
-        back_columns(device, program, "solve_back_columns"),
-        subtrees(device, program, "solve_subtrees"),
-        back_subtrees(device, program, "solve_back_subtrees") {}
-  ~Program() { clReleaseProgram(program); }
-  bool rough;
-  cl_program program;
-  Kernel invert, rows, below, back_below, back_columns, subtrees, back_subtrees;
-};
+cl_program build_solves(const Device& device, Precision precision, bool rough, const char* more) {
+  return device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
+                          " number;\n" + programs::solves + more,
+                      "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width));
+}
+
+Solves::Program::Program(const Device& device, Precision precision, bool rough)
+    : rough(rough),
+      program(build_solves(device, precision, rough, "")),
+      invert(device, program, "invert"),
+      rows(device, program, "solve_rows"),
+      below(device, program, "solve_below"),
+      back_below(device, program, "solve_back_below"),
+      back_columns(device, program, "solve_back_columns"),
+      subtrees(device, program, "solve_subtrees"),
+      back_subtrees(device, program, "solve_back_subtrees") {}
+
+Solves::Program::~Program() {
+  clReleaseProgram(program);
+}
 
 Solves::Solves(const Device& device, Precision precision)
     : device_(device),

@@ -24,12 +24,9 @@ bool SnapshotFactor::factorise(const std::shared_ptr<const FactorPlan>& base) {
                : with_candidates(*base, candidates);
     factor = make_factor(plan);
     if (rough) factor->keep_rough();
-    number.assign(static_cast<std::size_t>(snapshot->A.nodes()), -1);
-    for (std::size_t k = 0; k < candidates.size(); ++k)
-      number[static_cast<std::size_t>(candidates[k])] = static_cast<Index>(k);
   }
   ok = factor->factorise(snapshot->A);
-  if (ok) factor->candidate_compliance(compliance);
+  if (ok) compliance.begin(*factor, candidates_of(*plan), snapshot->A.nodes());
   seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return analyse;
 }

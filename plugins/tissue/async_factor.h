@@ -9,6 +9,7 @@
 
 #include "block_matrix.h"
 #include "factor.h"
+#include "growing_compliance.h"
 #include "sutura/types.h"
 #include "sutura/worker_pool.h"
 
@@ -30,12 +31,10 @@ struct SnapshotFactor {
   std::shared_ptr<Snapshot> snapshot;
   std::shared_ptr<const FactorPlan> plan;
   std::unique_ptr<Factor> factor;
-  MatX compliance;     ///< of the candidates, in the axes of the snapshot
+  GrowingCompliance compliance;  ///< of the candidates, in the axes of the snapshot
   bool ok = false;     ///< false: not positive definite, or no memory
   bool rough = false;  ///< keep the factor in single precision too
   double seconds = 0;  ///< wall time of the factorisation
-
-  std::vector<Index> number;  ///< per node: among the candidates; -1 if it is none
 
   /// Fills the rest from the snapshot; `base` is any plan of its pattern. The same bits on
   /// whichever worker it runs, and whatever factor was here before.

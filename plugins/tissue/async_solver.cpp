@@ -266,9 +266,34 @@ void AsyncSolver::solve_as_compliance(Eigen::Ref<MatX> columns) {
   clear_fixed(fixed_, columns);
 }
 
+/// Those that the factor in use does not know yet are learnt at once.
+Index AsyncSolver::touch(std::span<const Index> nodes) {
+  candidates_.touch(nodes, step_);
+  if (!current_) return 0;
+  return current_->compliance.learn(nodes, fixed_, [this](auto rows, auto columns, auto entries) {
+    entries_of_inverse(rows, columns, entries);
+  });
+}
+
+/// Of the factorised matrix, between unknowns of the whole tissue.
+void AsyncSolver::entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                                     Eigen::Ref<MatX> entries) {
+  if (on_device_) {
+    if (device_->entries_of_inverse(rows, columns, entries)) return;
+    report_.complain(device_->why_not());
+    on_device_ = false;
+  }
+  const auto count = static_cast<Index>(columns.size());
+  columns_.setZero(3 * pattern_->nodes(), count);
+  for (Index c = 0; c < count; ++c) columns_(columns[static_cast<std::size_t>(c)], c) = 1;
+  current_->factor->solve(columns_);
+  for (Index c = 0; c < count; ++c)
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      entries(static_cast<Index>(r), c) = columns_(rows[r], c);
+}
+
 NodeCompliance AsyncSolver::compliance() const {
-  if (!current_ || current_->compliance.size() == 0) return {};
-  return {&current_->compliance, current_->number, warped_.turns()};
+  return current_ ? current_->compliance.view(warped_.turns()) : NodeCompliance{};
 }
 
 }  // namespace sutura::tissue

@@ -61,7 +61,7 @@ class AsyncSolver : public TissueSolver {
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
   }
-  void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
+  Index touch(std::span<const Index> nodes) override;
   NodeCompliance compliance() const override;
   const TissueSolveReport& report() const override { return report_; }
 
@@ -82,6 +82,8 @@ class AsyncSolver : public TissueSolver {
   /// more digits are asked for, nothing for the usual tolerances.
   bool rough() const { return options_.tolerance >= 1e-5; }
   const Preconditioner& preconditioner();
+  void entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
+                          Eigen::Ref<MatX> entries);
   bool give_to_device(bool same_matrix);
   bool solve_on_device(Real tolerance);
 
@@ -111,7 +113,7 @@ class AsyncSolver : public TissueSolver {
   WarpedFactor warped_;
   BlockJacobi jacobi_;
   bool jacobi_ready_ = false;
-  GrowingMat x_, single_x_;
+  GrowingMat x_, single_x_, columns_;
   VecX asked_, answered_;  ///< the last single right-hand side of the step and its solution
   Index last_iterations_ = 0;
   std::vector<Adoption> adoptions_;

@@ -48,6 +48,19 @@ void archive(Archive& a, Snapshot& s) {
     a.fail("the rotations of another mesh");
 }
 
+void LearntNodes::archive(Archive& a, Index nodes) {
+  a("learnt", node);
+  a("portions", end);
+  for (const Index i : node)
+    if (i < 0 || i >= nodes) a.fail("a touched node of another mesh");
+  Index before = 0;
+  for (const Index e : end) {
+    if (e <= before || e > before + GrowingCompliance::at_once) a.fail("portions that are none");
+    before = e;
+  }
+  if (before != static_cast<Index>(node.size())) a.fail("portions of other nodes");
+}
+
 /// The snapshot of `job`, or that there is none.
 void AsyncSolver::archive_job(Archive& a, std::shared_ptr<Snapshot>& snapshot) {
   bool exists = snapshot != nullptr;
@@ -66,6 +79,8 @@ void AsyncSolver::archive(Archive& a) {
   std::shared_ptr<Snapshot> in_use = current_ ? current_->snapshot : nullptr;
   archive_job(a, in_use);
   archive_job(a, in_flight_);
+  LearntNodes learnt = current_ ? current_->compliance.learnt() : LearntNodes{};
+  learnt.archive(a, pattern_->nodes());
   candidates_.archive(a);
   recent_.archive(a);
   a("last_iterations", last_iterations_);
@@ -98,6 +113,7 @@ void AsyncSolver::archive(Archive& a) {
     current_ = job_of(std::move(in_use));
     current_->factorise(plan_);
     if (!current_->ok) a.fail("the factor in use cannot be made again");
+    current_->compliance.learn_again(std::move(learnt));
   }
   if (!in_flight_) return;
   if (worker_lost_)

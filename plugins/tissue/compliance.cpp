@@ -53,7 +53,7 @@ void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vect
 /// Rows of candidates only: W += h^2 (H Q) C (H Q)^T.
 void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
                         const std::vector<char>& is_outside, Real dt, Eigen::Ref<MatX> W) {
-  const MatX& C = *compliance.C;
+  const NodeCompliance::Matrix& C = compliance.C;
   thread_local std::vector<Vec3> turned;  // Q^T h, per entry; keeps its memory
   thread_local GrowingVec y;
   turned.resize(rows.node.size());
@@ -119,7 +119,10 @@ class SolvedNodes {
           C_.col(static_cast<Index>(first + j)).segment<3>(static_cast<Index>(3 * i)) =
               block.col(static_cast<Index>(j)).segment<3>(3 * nodes_[i]);
     }
-    return {&C_, number_, {}};
+    NodeCompliance out;
+    out.see(C_, static_cast<Index>(count));
+    out.number = number_;
+    return out;
   }
 
  private:
@@ -190,7 +193,7 @@ void Candidates::choose(Index step) {
 Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
                             Eigen::Ref<MatX> W) {
   if (rows.size() == 0) return 0;
-  solver.touch(rows.node);
+  const Index learnt = solver.touch(rows.node);
   const NodeCompliance compliance = solver.compliance();
   thread_local std::vector<char> is_outside;
   thread_local std::vector<Index> outside;
@@ -199,7 +202,7 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
   for (Index r = 0; r < rows.size(); ++r) {
     for (Index e = rows.start[at(r)]; e < rows.start[at(r + 1)]; ++e) {
       const Index node = rows.node[at(e)];
-      if (!compliance.C || (compliance.number[at(node)] < 0 && !solver.is_fixed(node)))
+      if (!compliance.is_known(node) && (compliance.C.size() == 0 || !solver.is_fixed(node)))
         is_outside[at(r)] = 1;
     }
     if (is_outside[at(r)]) outside.push_back(r);
@@ -210,12 +213,12 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
   if (!outside.empty() && solved.unknowns() < outside.size()) {
     is_outside.assign(at(rows.size()), 0);
     add_candidate_rows(solved.compliance(solver), rows, is_outside, dt, W);
-    return static_cast<Index>(solved.unknowns());
+    return learnt + static_cast<Index>(solved.unknowns());
   }
-  if (compliance.C) add_candidate_rows(compliance, rows, is_outside, dt, W);
+  if (compliance.C.size() > 0) add_candidate_rows(compliance, rows, is_outside, dt, W);
   if (!outside.empty())
     add_solved_rows(solver, rows, outside, is_outside, 3 * solver.nodes(), dt, W);
-  return static_cast<Index>(outside.size());
+  return learnt + static_cast<Index>(outside.size());
 }
 
 }  // namespace sutura::tissue

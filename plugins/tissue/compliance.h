@@ -20,9 +20,16 @@ class TissueSolver;
 
 /// A^-1 between the candidates: A^-1(i, j) ~ Q_i C(i, j) Q_j^T.
 struct NodeCompliance {
-  const MatX* C = nullptr;        ///< 3 candidates square; axes of the factor
+  using Matrix = Eigen::Map<const MatX, 0, Eigen::OuterStride<>>;
+  Matrix C{nullptr, 0, 0, Eigen::OuterStride<>(1)};  ///< 3 candidates square; axes of the factor
   std::span<const Index> number;  ///< per node: among the candidates; -1 if it is none
   std::span<const Mat3> turn;     ///< per node: Q; empty: the identity
+
+  /// C is the upper left corner of `all`.
+  void see(const MatX& all, Index size) {
+    new (&C) Matrix(all.data(), size, size, Eigen::OuterStride<>(all.rows()));
+  }
+  bool is_known(Index node) const { return C.size() > 0 && number[static_cast<std::size_t>(node)] >= 0; }
 };
 
 /// Which nodes to eliminate last: those touched lately and their neighbours.

@@ -95,7 +95,10 @@ NodeCompliance SynchronousSolver::compliance() const {
   if (!ok_ || candidates_of(*plan_).empty()) return {};
   if (!has_compliance_) factor_->candidate_compliance(compliance_);
   has_compliance_ = true;
-  return {&compliance_, number_, {}};
+  NodeCompliance out;
+  out.see(compliance_, 3 * static_cast<Index>(candidates_of(*plan_).size()));
+  out.number = number_;
+  return out;
 }
 
 std::unique_ptr<TissueSolver> make_direct_solver(std::shared_ptr<Cache> cache) {

@@ -30,7 +30,10 @@ class SynchronousSolver : public TissueSolver {
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
   }
-  void touch(std::span<const Index> nodes) override { candidates_.touch(nodes, step_); }
+  Index touch(std::span<const Index> nodes) override {
+    candidates_.touch(nodes, step_);
+    return 0;
+  }
   NodeCompliance compliance() const override;
   const TissueSolveReport& report() const override { return report_; }
   void archive(Archive& archive) override;

@@ -46,7 +46,7 @@ class Factor {
   /// Not to be called from two workers at once: the work space belongs to the factor.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
   /// C = (A^-1) over the candidates of the plan (3 count square, order of `candidates_of`): the
-  /// inverse of the last Schur block L_ss L_ss^T. Empty if there are none. C keeps its memory.
+  /// inverse of the last Schur block L_ss L_ss^T: the upper left corner of C, which grows if it has to.
   virtual void candidate_compliance(MatX& C) const = 0;
   /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve
   /// is bound by reading L, which is then half as long. For preconditioning.

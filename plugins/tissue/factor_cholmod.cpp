@@ -181,7 +181,7 @@ class CholmodFactor : public Factor {
 
   void candidate_compliance(MatX& C) const override {
     const Index size = ready_ ? 3 * static_cast<Index>(plan_->candidates.size()) : 0;
-    C.resize(size, size);
+    if (C.rows() < size) C.resize(size, size);
     if (size == 0) return;
     // Supernode s holds columns super[s] .. super[s+1] of L; its rows are s[pi[s]] .. , its numbers
     // are dense from px[s], leading dimension the number of rows.

@@ -47,7 +47,9 @@ class EigenFactor : public Factor {
     for (Index c = 0; c < size; ++c)
       for (Eigen::SparseMatrix<Real>::InnerIterator it(L, first + c); it; ++it)
         lower_(it.row() - first, c) = it.value();
-    invert_.compute(lower_, C);
+    if (C.rows() < size) C.resize(size, size);
+    invert_.compute(lower_, inverse_);
+    C.topLeftCorner(size, size) = inverse_;
   }
 
  private:
@@ -57,7 +59,7 @@ class EigenFactor : public Factor {
       cholesky_;
   bool ready_ = false;
   mutable GrowingMat work_;
-  mutable MatX lower_;
+  mutable MatX lower_, inverse_;
   mutable DenseInverse invert_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 using bench::PressedPad;
 
 constexpr Real frame = 1.0 / 60;  // s, and the length of a step
-constexpr double budget = 15;     // s, for each way, beyond the first steps
+constexpr double budget = 10;     // s, for each way, beyond the first steps
 constexpr int warm_up = 6;        // steps
 
 struct Way {

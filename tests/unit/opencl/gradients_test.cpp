@@ -87,6 +87,48 @@ TEST_F(DeviceGradients, AFactorSolvesAsOnTheCpu) {
     }
 }
 
+// Against solves of the CPU in double precision. Fixed unknowns answer zero; 40 columns are more
+// than go at once; sizes as above.
+TEST_F(DeviceGradients, EntriesOfTheInverseAreThoseOfTheCpu) {
+  for (const int cells : {2, 9, 14})
+    for (const bool rough : {false, true}) {
+      SCOPED_TRACE(std::to_string(cells) + (rough ? " rough" : ""));
+      Pad pad({cells, cells, 6}, 0.004, soft, 0.01, false);
+      pad.assemble();
+      std::vector<Index> last, columns, rows;
+      for (Index i = pad.nodes() - 300; i < pad.nodes() && cells > 9; ++i) last.push_back(i);
+      for (Index i = 0; i < 3 * pad.nodes(); i += 3 * pad.nodes() / 40) columns.push_back(i);
+      for (Index i = 0; i < 3 * pad.nodes(); i += 2) rows.push_back(i);
+      const auto factor = factor_of(pad, rough, last);
+      SupernodalFactor supernodes;
+      ASSERT_TRUE(factor->supernodes(supernodes));
+      MatX exact = MatX::Zero(3 * pad.nodes(), static_cast<Index>(columns.size()));
+      for (std::size_t c = 0; c < columns.size(); ++c) exact(columns[c], static_cast<Index>(c)) = 1;
+      factor->solve(exact);
+
+      for (const Precision precision : {Precision::double_, Precision::single}) {
+        Gradients gradients(*device_, precision);
+        gradients.set_matrix(view(pad), pad.fixed);
+        gradients.set_factor(supernodes);
+        MatX entries(static_cast<Index>(rows.size()), static_cast<Index>(columns.size())), again;
+        gradients.entries_of_inverse(rows, columns, entries);
+        Real wrong = 0, all = 0;
+        for (std::size_t c = 0; c < columns.size(); ++c)
+          for (std::size_t r = 0; r < rows.size(); ++r) {
+            const Real e = exact(rows[r], static_cast<Index>(c));
+            wrong += std::pow(entries(static_cast<Index>(r), static_cast<Index>(c)) - e, 2);
+            all += e * e;
+          }
+        // As for a solve, above.
+        const bool digits = !rough && precision == Precision::double_;
+        EXPECT_LT(std::sqrt(wrong / all), digits ? 1e-11 : 1e-4);
+        again = entries;
+        gradients.entries_of_inverse(rows, columns, entries);
+        EXPECT_TRUE(entries == again) << "not the same bits";
+      }
+    }
+}
+
 TEST_F(DeviceGradients, SolveTheEquationsToTheTolerance) {
   for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
     Pad pad({8, 7, 5}, 0.004, soft, 0.01, false);

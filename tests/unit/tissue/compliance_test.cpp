@@ -7,6 +7,7 @@
 #include "async_solver.h"
 #include "direct_solver.h"
 #include "solver_fixture.h"
+#include "sutura/archive.h"
 
 namespace sutura::tissue {
 namespace {
@@ -131,6 +132,40 @@ TEST_F(ComplianceOf, AsynchronousOneTurnsWithTheBody) {
   solver.prepare(A, rotations, 4);
   const MatX W = exact(rows);
   EXPECT_LT((from(solver, rows) - W).norm(), 1e-11 * W.norm());
+}
+
+// Nodes beyond the candidates are solved for once per factor, however often they are asked for, and
+// turn with the body like the others.
+TEST_F(ComplianceOf, AsynchronousOneLearnsWhatIsTouched) {
+  AsyncOptions o;
+  o.lag = 1000;  // no other factor
+  AsyncSolver solver(o);
+  const BodyRows few = contacts(grid, 3), more = contacts(grid, 20);
+  solver.analyse(A.pattern(), grid.fixed, few.node);
+  deform([](const Vec3& X) { return X; });
+  solver.prepare(A, rotations, 0);
+  from(solver, few);
+  EXPECT_EQ(solved_rows, 0);
+  EXPECT_LT((from(solver, more) - exact(more)).norm(), 1e-11 * exact(more).norm());
+  EXPECT_GT(solved_rows, 0);
+  const Eigen::AngleAxis<Real> turn(2, Vec3(1, 1, 3).normalized());
+  deform([&](const Vec3& X) { return Vec3(turn * X); });
+  solver.prepare(A, rotations, 1);
+  EXPECT_LT((from(solver, more) - exact(more)).norm(), 1e-11 * exact(more).norm());
+  EXPECT_EQ(solved_rows, 0);
+
+  // Saved, and restored into another: the same bits.
+  Archive saved;
+  solver.archive(saved);
+  AsyncSolver other(o);
+  other.analyse(A.pattern(), grid.fixed, few.node);
+  Archive restored(saved.bytes());
+  other.archive(restored);
+  ASSERT_TRUE(restored.finished()) << restored.problem();
+  const MatX W = from(solver, more);
+  other.prepare(A, rotations, 1, true);
+  EXPECT_TRUE(W == from(other, more));
+  EXPECT_GT(solved_rows, 0);
 }
 
 // What is left of a violation when contacts are solved with a compliance of another state and the
