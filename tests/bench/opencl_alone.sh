@@ -29,13 +29,15 @@ fi
 
 tissue="block_matrix pcg factor factor_cholmod factor_eigen factor_order dense_inverse corotational_t4 smoothed_t4
   node_rotations rotation twist_stiffness async_solver async_factor async_state compliance growing_compliance held_nodes tissue_step"
-thread="block_tridiagonal chain_motion element rod rod_guess rod_tangent viscosity"
+thread="block_tridiagonal chain_motion element rod rod_guess rod_tangent stretches viscosity"
 {
   ls tests/bench/opencl*.cpp src/solve/*.cpp src/base/*.cpp "$objects/programs.cpp"
   ls plugins/opencl/*.cpp | grep -v -e /plugin -e /opencl_device -e /thread_batch
   for name in $thread; do echo plugins/thread/$name.cpp; done
   for name in $tissue; do echo plugins/tissue/$name.cpp; done
-} | sed "s|.*|g++ $(echo $flags) -c & -o $objects/&.o|; s|-o \(.*\)/\([^/]*\)\$|-o $objects/\2|" |
+} | while read -r source; do  # two of them have the same name
+  echo "g++ $(echo $flags) -c $source -o $objects/$(echo "$source" | tr / _).o"
+done |
   xargs -P "$(nproc)" -I COMMAND sh -c COMMAND
 g++ "$objects"/*.o ${LDFLAGS:-} $libraries -pthread -o "$1/sutura_bench_opencl"
 exec "$1/sutura_bench_opencl" "$@"
