@@ -80,8 +80,9 @@ class ConjugateGradientDevice {
   /// x <- A^-1 b, from x on.
   virtual bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                      Index max_iterations, Report& report) = 0;
-  /// entries <- those of the inverse of the matrix that was factorised, between unknowns of the full
-  /// vector: `rows` down, `columns` across; zero for fixed ones.
+  /// entries <- those of the inverse of the matrix that was factorised, between unknowns of the
+  /// full vector: `rows` down, `columns` across; zero for fixed ones. As exact as the factor that
+  /// was sent.
   virtual bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                                   Eigen::Ref<MatX> entries) = 0;
   virtual const std::string& why_not() const = 0;

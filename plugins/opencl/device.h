@@ -17,7 +17,7 @@ enum class DeviceType { any, gpu, cpu, accelerator };
 struct DeviceChoice {
   std::string name;  ///< part of the device's name, upper or lower case; empty: any
   DeviceType type = DeviceType::any;
-  Index index = 0;  ///< among those that fit
+  Index index = 0;     ///< among those that fit
   bool timed = false;  ///< notes how long every kernel takes (see take_times)
 };
 

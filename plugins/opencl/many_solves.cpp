@@ -43,13 +43,14 @@ void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
     many_ = std::make_unique<Many>(device_, precision_, program_->rough);
   Many& m = *many_;
   const std::size_t real = has_double_sums(precision_) ? 8 : 4, width = real * columns;
-  for (Buffer* buffer : {&m.b, &m.y, &m.x}) buffer->reserve(static_cast<std::size_t>(size_) * width);
+  for (Buffer* buffer : {&m.b, &m.y, &m.x})
+    buffer->reserve(static_cast<std::size_t>(size_) * width);
   m.left.reserve((static_cast<std::size_t>(schedule_.below_size) + 2) * width);
   m.wanted = of_columns;
   m.wanted.resize(columns, -1);
   m.positions.write(m.wanted);
-  m.units(static_cast<std::size_t>(size_) * columns, items, static_cast<cl_int>(size_),
-          m.positions, m.b);
+  m.units(static_cast<std::size_t>(size_) * columns, items, static_cast<cl_int>(size_), m.positions,
+          m.b);
 
   const std::size_t trees = schedule_.subtree_start.size() - 1;
   const auto groups = [](std::int32_t tasks) { return static_cast<std::size_t>(tasks) * items; };

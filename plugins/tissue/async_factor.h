@@ -32,9 +32,9 @@ struct SnapshotFactor {
   std::shared_ptr<const FactorPlan> plan;
   std::unique_ptr<Factor> factor;
   GrowingCompliance compliance;  ///< of the candidates, in the axes of the snapshot
-  bool ok = false;     ///< false: not positive definite, or no memory
-  bool rough = false;  ///< keep the factor in single precision too
-  double seconds = 0;  ///< wall time of the factorisation
+  bool ok = false;               ///< false: not positive definite, or no memory
+  bool rough = false;            ///< keep the factor in single precision too
+  double seconds = 0;            ///< wall time of the factorisation
 
   /// Fills the rest from the snapshot; `base` is any plan of its pattern. The same bits on
   /// whichever worker it runs, and whatever factor was here before.

@@ -25,6 +25,7 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   pcg_.reserve(n);
   recent_.reset(n);
   single_x_.resize(n);
+  columns_.resize(n, Factor::columns_at_once);
   for (VecX* v : {&asked_, &answered_}) v->resize(n);
   fixed_.assign(fixed.begin(), fixed.end());
   candidates_.reset(pattern_, fixed, candidates);
@@ -283,13 +284,16 @@ void AsyncSolver::entries_of_inverse(std::span<const Index> rows, std::span<cons
     report_.complain(device_->why_not());
     on_device_ = false;
   }
-  const auto count = static_cast<Index>(columns.size());
-  columns_.setZero(3 * pattern_->nodes(), count);
-  for (Index c = 0; c < count; ++c) columns_(columns[static_cast<std::size_t>(c)], c) = 1;
-  current_->factor->solve(columns_);
-  for (Index c = 0; c < count; ++c)
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      entries(static_cast<Index>(r), c) = columns_(rows[r], c);
+  const auto all = static_cast<Index>(columns.size());
+  for (Index first = 0; first < all; first += Factor::columns_at_once) {
+    const Index count = std::min(Factor::columns_at_once, all - first);
+    columns_.setZero(3 * pattern_->nodes(), count);
+    for (Index c = 0; c < count; ++c) columns_(columns[static_cast<std::size_t>(first + c)], c) = 1;
+    current_->factor->solve(columns_);
+    for (Index c = 0; c < count; ++c)
+      for (std::size_t r = 0; r < rows.size(); ++r)
+        entries(static_cast<Index>(r), first + c) = columns_(rows[r], c);
+  }
 }
 
 NodeCompliance AsyncSolver::compliance() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "factor.h"
 #include "sutura/growing.h"
 #include "tissue_solver.h"
 
@@ -15,7 +16,7 @@ std::size_t at(Index i) {
   return static_cast<std::size_t>(i);
 }
 
-constexpr std::size_t chunk = 16;  // several right-hand sides share the pass over the factor
+constexpr auto chunk = static_cast<std::size_t>(Factor::columns_at_once);
 
 /// The columns A^-1 H^T of the rows listed in `outside`, and what they add to W.
 void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vector<Index>& outside,

@@ -18,18 +18,21 @@ namespace sutura::tissue {
 
 class TissueSolver;
 
-/// A^-1 between the candidates: A^-1(i, j) ~ Q_i C(i, j) Q_j^T.
+/// A^-1 between the nodes that are known: A^-1(i, j) ~ Q_i C(i, j) Q_j^T.
 struct NodeCompliance {
   using Matrix = Eigen::Map<const MatX, 0, Eigen::OuterStride<>>;
-  Matrix C{nullptr, 0, 0, Eigen::OuterStride<>(1)};  ///< 3 candidates square; axes of the factor
-  std::span<const Index> number;  ///< per node: among the candidates; -1 if it is none
+  /// Three rows and columns per known node, in the axes of the factor (m/N).
+  Matrix C{nullptr, 0, 0, Eigen::OuterStride<>(1)};
+  std::span<const Index> number;  ///< per node: its place in C; -1: not known
   std::span<const Mat3> turn;     ///< per node: Q; empty: the identity
 
   /// C is the upper left corner of `all`.
   void see(const MatX& all, Index size) {
     new (&C) Matrix(all.data(), size, size, Eigen::OuterStride<>(all.rows()));
   }
-  bool is_known(Index node) const { return C.size() > 0 && number[static_cast<std::size_t>(node)] >= 0; }
+  bool is_known(Index node) const {
+    return C.size() > 0 && number[static_cast<std::size_t>(node)] >= 0;
+  }
 };
 
 /// Which nodes to eliminate last: those touched lately and their neighbours.

@@ -38,6 +38,10 @@ std::shared_ptr<const FactorPlan> make_factor_plan(std::shared_ptr<const NodePat
 
 class Factor {
  public:
+  /// Of a compliance that is asked for in the step: they share a pass over the factor, and there is
+  /// work space for as many from the start.
+  static constexpr Index columns_at_once = 16;
+
   virtual ~Factor() = default;
   /// A has the pattern of the plan. False if the matrix is not positive
   /// definite or not finite: the factor must then not be used until a later call succeeds.
@@ -46,7 +50,8 @@ class Factor {
   /// Not to be called from two workers at once: the work space belongs to the factor.
   virtual void solve(Eigen::Ref<MatX> columns) const = 0;
   /// C = (A^-1) over the candidates of the plan (3 count square, order of `candidates_of`): the
-  /// inverse of the last Schur block L_ss L_ss^T: the upper left corner of C, which grows if it has to.
+  /// inverse of the last Schur block L_ss L_ss^T. It is the upper left corner of C, which grows if
+  /// it has to and keeps its memory.
   virtual void candidate_compliance(MatX& C) const = 0;
   /// As `solve`, to the accuracy of single precision where the backend can do that faster: a solve
   /// is bound by reading L, which is then half as long. For preconditioning.

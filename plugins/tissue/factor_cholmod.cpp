@@ -94,7 +94,6 @@ class CholmodFactor : public Factor {
     A_.sorted = 1;
     A_.packed = 1;
     if (n > 0) L_ = cholmod_analyze(&A_, &common_);
-    constexpr Index columns_at_once = 16;  // of a compliance; asked for in the step
     work_.resize(plan_->size(), columns_at_once);
   }
 

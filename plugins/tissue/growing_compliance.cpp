@@ -14,15 +14,23 @@ std::size_t at(Index i) {
 
 void GrowingCompliance::begin(const Factor& factor, std::span<const Index> candidates,
                               Index nodes) {
-  factor.candidate_compliance(C_);
-  known_ = static_cast<Index>(candidates.size());
-  number_.assign(at(nodes), -1);
+  // Made beside the simulation: what the step learns then rarely takes memory.
+  const auto count = static_cast<Index>(candidates.size());
+  known_ = 0;
+  make_room(count + spare);
   unknowns_.clear();
+  unknowns_.reserve(at(3 * (count + spare)));
+  for (std::vector<Index>* v : {&missing_, &learnt_.node, &learnt_.end}) {
+    v->clear();
+    v->reserve(at(spare));
+  }
+  factor.candidate_compliance(C_);
+  known_ = count;
+  number_.assign(at(nodes), -1);
   for (const Index i : candidates) {
     number_[at(i)] = static_cast<Index>(unknowns_.size()) / 3;
     for (Index k = 0; k < 3; ++k) unknowns_.push_back(3 * i + k);
   }
-  learnt_ = {};
   portions_ = 0;
 }
 
@@ -60,8 +68,8 @@ Index GrowingCompliance::learn(std::span<const Index> nodes, std::span<const cha
   Index solved = 0;
   const auto add_portion = [&] {
     const std::size_t first = portions_ == 0 ? 0 : at(learnt_.end[portions_ - 1]);
-    solved += add(std::span(learnt_.node).subspan(first, at(learnt_.end[portions_]) - first),
-                  entries);
+    solved +=
+        add(std::span(learnt_.node).subspan(first, at(learnt_.end[portions_]) - first), entries);
     ++portions_;
   };
   while (portions_ < learnt_.end.size()) add_portion();

@@ -24,7 +24,8 @@ struct LearntNodes {
 class GrowingCompliance {
  public:
   static constexpr Index limit = 1200;  ///< nodes: C is 104 MB then
-  static constexpr Index at_once = 10;  ///< nodes: their columns share a pass over the factor
+  static constexpr Index spare = 64;    ///< nodes beyond the candidates that there is room for
+  static constexpr Index at_once = 10;  ///< nodes: their columns are one call of a device
 
   /// Of a new factor: what was known of the last one is forgotten, its memory kept.
   void begin(const Factor& factor, std::span<const Index> candidates, Index nodes);

@@ -62,11 +62,11 @@ class TissueSolver {
   virtual void solve_as_compliance(Eigen::Ref<MatX> columns) = 0;
   virtual Index nodes() const = 0;
   virtual bool is_fixed(Index node) const = 0;
-  /// Constraints touch these nodes: their compliance will be asked for now, and probably in the next
-  /// steps. Returns the number of columns that were solved for to know it.
+  /// Constraints touch these nodes: their compliance will be asked for now, and probably in the
+  /// next steps. Returns the number of columns that were solved for to know it.
   virtual Index touch(std::span<const Index> nodes) = 0;
   /// As of the factor in use, turned to now: exact for a direct solver, approximate (age,
-  /// deformation) for an asynchronous one. C is null if nothing is known.
+  /// deformation) for an asynchronous one. C is empty if nothing is known.
   virtual NodeCompliance compliance() const = 0;
   virtual const TissueSolveReport& report() const = 0;
   /// After `analyse`.

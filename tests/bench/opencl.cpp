@@ -105,7 +105,8 @@ int main(int argc, char** argv) {
     if (wanted("threads")) done = bench_threads(device, out) && done;
     if (wanted("accuracy"))
       done = bench_threads_accuracy(device, out) && bench_sweeps_accuracy(device, out) &&
-             bench_gradients_accuracy(device, out, most_nodes) && done;
+             bench_gradients_accuracy(device, out, most_nodes) &&
+             bench_compliance_accuracy(device, out, most_nodes) && done;
     return done ? 0 : 3;
   } catch (const sutura::DeviceError& e) {
     std::fprintf(stderr, "%s\n", e.what());

@@ -28,7 +28,8 @@ if echo '#include <cholmod.h>' | g++ $flags -E -x c++ - >/dev/null 2>&1; then
 fi
 
 tissue="block_matrix pcg factor factor_cholmod factor_eigen factor_order dense_inverse corotational_t4 smoothed_t4
-  node_rotations rotation twist_stiffness async_solver async_factor async_state compliance growing_compliance held_nodes tissue_step"
+  node_rotations rotation twist_stiffness async_solver async_factor async_state compliance
+  growing_compliance held_nodes tissue_step"
 thread="block_tridiagonal chain_motion element rod rod_guess rod_tangent stretches viscosity"
 {
   ls tests/bench/opencl*.cpp src/solve/*.cpp src/base/*.cpp "$objects/programs.cpp"

@@ -53,11 +53,13 @@ bool bench_gradients(const Device& device, const Limits& limits, const std::file
 /// Whole steps of a tissue under 300 contacts: tables, step.csv and step_kernels.csv.
 bool bench_step(const DeviceChoice& choice, const Limits& limits, const std::filesystem::path& out,
                 Index most_nodes);
-/// What the precisions cost in accuracy; any device will do. sweeps_accuracy.csv and
-/// gradients_accuracy.csv.
+/// What the precisions cost in accuracy; any device will do. sweeps_accuracy.csv,
+/// gradients_accuracy.csv, compliance_accuracy.csv.
 bool bench_sweeps_accuracy(const Device& device, const std::filesystem::path& out);
 bool bench_gradients_accuracy(const Device& device, const std::filesystem::path& out,
                               Index most_nodes);
+bool bench_compliance_accuracy(const Device& device, const std::filesystem::path& out,
+                               Index most_nodes);
 /// Many threads at once: threads.csv; the error of their time step: threads_accuracy.csv.
 bool bench_threads(const Device& device, const std::filesystem::path& out);
 bool bench_threads_accuracy(const Device& device, const std::filesystem::path& out);

@@ -1,5 +1,6 @@
 // A whole step of a tissue under 300 contacts with friction: what takes how long, on one core and
 // with a device.
+#include <Eigen/Eigenvalues>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -27,15 +28,21 @@ constexpr Way ways[] = {
 
 const std::array<int, 3> pads[] = {{25, 25, 7}, {45, 45, 9}, {63, 63, 12}};  // cells
 
+Index nodes_of(const std::array<int, 3>& cells) {
+  return (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1);
+}
+
 /// A pad that a device works for.
 struct Arena {
-  Arena(const Device& device, const Way& way, std::array<int, 3> cells)
-      : gradients(device, choose(Precision::automatic, device)),
-        sweeps(device, choose(Precision::automatic, device)),
+  Arena(const Device& device, const Way& way, std::array<int, 3> cells, Precision precision,
+        bool felt)
+      : gradients(device, precision),
+        sweeps(device, precision),
         gradients_alone(gradients),
-        sweeps_alone(sweeps, choose(Precision::automatic, device)),
+        sweeps_alone(sweeps, precision),
         pad(cells, 0.004, frame) {
-    pad.begin(way.gradients ? &gradients_alone : nullptr, way.sweeps ? &sweeps_alone : nullptr);
+    pad.begin(way.gradients ? &gradients_alone : nullptr, way.sweeps ? &sweeps_alone : nullptr,
+              felt);
   }
   Gradients gradients;
   Sweeps sweeps;
@@ -61,7 +68,7 @@ struct Sum {
   }
   double mean(double of_all) const { return of_all / std::max(steps, 1); }
   static constexpr Index PressedPad::StepCost::*counts[] = {
-      &PressedPad::StepCost::passes, &PressedPad::StepCost::iterations,
+      &PressedPad::StepCost::passes,  &PressedPad::StepCost::iterations,
       &PressedPad::StepCost::outside, &PressedPad::StepCost::age,
       &PressedPad::StepCost::sweeps,  &PressedPad::StepCost::direct};
 };
@@ -86,7 +93,8 @@ Sum run(PressedPad& pad) {
 }
 
 /// Bytes that every kernel of conjugate gradients has to read and write, per iteration.
-std::map<std::string, double> bytes_of(const Gradients& gradients, const tissue::NodePattern& pattern) {
+std::map<std::string, double> bytes_of(const Gradients& gradients,
+                                       const tissue::NodePattern& pattern) {
   const Schedule& s = gradients.solves().schedule();
   std::vector<char> in_subtree(s.panels.size(), 0);
   for (const std::int32_t n : s.subtree) in_subtree[static_cast<std::size_t>(n)] = 1;
@@ -98,11 +106,16 @@ std::map<std::string, double> bytes_of(const Gradients& gradients, const tissue:
   }
   const auto nodes = static_cast<double>(pattern.nodes()),
              slots = static_cast<double>(pattern.slots());
-  return {{"solve_rows", 4 * inverse},         {"solve_back_columns", 4 * inverse},
-          {"solve_below", 4 * below},          {"solve_back_below", 4 * below},
-          {"solve_subtrees", 4 * subtrees},    {"solve_back_subtrees", 4 * subtrees},
-          {"product", slots * 88 + nodes * 48}, {"turn", nodes * 144},
-          {"turn_back", nodes * 120},          {"direction", nodes * 72},
+  return {{"solve_rows", 4 * inverse},
+          {"solve_back_columns", 4 * inverse},
+          {"solve_below", 4 * below},
+          {"solve_back_below", 4 * below},
+          {"solve_subtrees", 4 * subtrees},
+          {"solve_back_subtrees", 4 * subtrees},
+          {"product", slots * 88 + nodes * 48},
+          {"turn", nodes * 144},
+          {"turn_back", nodes * 120},
+          {"direction", nodes * 72},
           {"advance", nodes * 144}};
 }
 
@@ -112,7 +125,7 @@ void time_kernels(const DeviceChoice& choice, const Limits& limits, std::array<i
   DeviceChoice timed = choice;
   timed.timed = true;
   Device device(timed);
-  Arena arena(device, ways[1], cells);
+  Arena arena(device, ways[1], cells, choose(Precision::automatic, device), true);
   for (int k = 0; k < warm_up; ++k) arena.pad.step();
   device.take_times();
   constexpr int steps = 10;
@@ -154,13 +167,12 @@ bool bench_step(const DeviceChoice& choice, const Limits& limits, const std::fil
   for (const char* name : PressedPad::stage_names) std::printf(" %10s", name);
   std::printf(" %9s %9s unsolved\n", "step", "worst");
   const Device device(choice);
-  const auto fits = [&](const std::array<int, 3>& cells) {
-    return (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1) <= most_nodes;
-  };
+  const auto fits = [&](const std::array<int, 3>& cells) { return nodes_of(cells) <= most_nodes; };
   for (const std::array<int, 3>& cells : pads) {
     if (!fits(cells)) continue;
     for (const Way& way : ways) {
-      const auto arena = std::make_unique<Arena>(device, way, cells);
+      const auto arena =
+          std::make_unique<Arena>(device, way, cells, choose(Precision::automatic, device), true);
       const Sum sum = run(arena->pad);
       std::printf("%7td %-18s %5d", arena->pad.nodes(), way.name, sum.steps);
       csv << arena->pad.nodes() << ",\"" << way.name << "\"," << sum.steps;
@@ -183,6 +195,39 @@ bool bench_step(const DeviceChoice& choice, const Limits& limits, const std::fil
   for (const std::array<int, 3>& cells : pads)
     if (fits(cells)) time_kernels(choice, limits, cells, kernels);
   return csv && kernels;
+}
+
+bool bench_compliance_accuracy(const Device& device, const std::filesystem::path& out,
+                               Index most_nodes) {
+  std::ofstream csv(out / "compliance_accuracy.csv");
+  csv << "nodes,precision,error of W,error in the worst direction,condition of W\n";
+  std::printf(
+      "\nW of %d contacts, learnt from a factor in single precision; |W - W*| / |W*|, largest "
+      "|v.(W - W*) v| / v.W* v, condition of W*\n  nodes precision     error     worst condition\n",
+      PressedPad::contacts);
+  for (const std::array<int, 3>& cells : pads) {
+    if (nodes_of(cells) > most_nodes) continue;
+    const auto compliance = [&](const Way& way, Precision precision) -> MatX {
+      return std::make_unique<Arena>(device, way, cells, precision, false)->pad.first_compliance();
+    };
+    const MatX exact = compliance(ways[0], Precision::single);  // of the CPU: always in double
+    const VecX eigenvalues = exact.selfadjointView<Eigen::Lower>().eigenvalues();
+    for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
+      if (precision != Precision::single && !device.has_double()) continue;
+      const MatX wrong = compliance(ways[1], precision) - exact;
+      const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> directions(wrong, exact,
+                                                                      Eigen::EigenvaluesOnly);
+      const Real error = wrong.norm() / exact.norm(),
+                 worst = directions.eigenvalues().cwiseAbs().maxCoeff(),
+                 condition = eigenvalues.maxCoeff() / eigenvalues.minCoeff();
+      std::printf("%7td %-9s %9.1e %9.1e %9.1e\n", nodes_of(cells), word(precision), error, worst,
+                  condition);
+      std::fflush(stdout);
+      csv << nodes_of(cells) << ',' << word(precision) << ',' << error << ',' << worst << ','
+          << condition << '\n';
+    }
+  }
+  return static_cast<bool>(csv);
 }
 
 }  // namespace sutura::opencl

@@ -71,9 +71,10 @@ class PressedPad {
       }
   }
   Index nodes() const { return static_cast<Index>(mesh_.points.size()); }
-  Index tets() const { return static_cast<Index>(mesh_.tets.size()); }
 
-  void begin(ConjugateGradientDevice* device, SweepDevice* sweeps) {
+  /// `felt`: as if the plate had been there for a while, so that the first factor knows the
+  /// compliance below it.
+  void begin(ConjugateGradientDevice* device, SweepDevice* sweeps, bool felt) {
     solver_.set_device(device);
     gauss_seidel_.set_device(sweeps);
     pattern_ = std::make_shared<NodePattern>(nodes(), model_.elastic->pairs());
@@ -81,10 +82,22 @@ class PressedPad {
     step_->prepare(context_.dt);
     lambda_.setZero(3 * contacts);
     modes_.assign(contacts, 0);
-    // As if the plate had been felt for a while: the first factor knows the compliance there.
+    if (!felt) return;
     find_contacts();
     for (const Touch& t : touches_) solver_.touch(t.node);
     solver_.renew();
+  }
+
+  /// W of the contacts in the first pass of the next step.
+  MatX first_compliance() {
+    step_->begin(context_);
+    find_contacts();
+    build();
+    force_.setZero(3 * nodes());
+    step_->linearise(context_, force_);
+    problem_.W.setZero(problem_.rows(), problem_.rows());
+    add_tissue_compliance(solver_, problem_.bodies.front(), context_.dt, problem_.W);
+    return problem_.W;
   }
 
   StepCost step() {

@@ -243,5 +243,32 @@ TEST_F(DeviceGradients, TheCpuTakesOverInTheSameStep) {
     EXPECT_NE(m.find("the CPU has taken over"), std::string::npos) << m;
 }
 
+// With a factor in double precision, to rounding; where the device is lost in between, the CPU
+// learns the rest.
+TEST_F(DeviceGradients, ATissueLearnsTheComplianceOfTouchedNodesAsOnTheCpu) {
+  Pad pad({8, 8, 5}, 0.004, soft, 0.01, false);
+  pad.assemble();
+  pad.find_rotations();
+  std::vector<Index> touched;
+  for (Index i = pad.nodes() - 40; i < pad.nodes(); ++i) touched.push_back(i);
+  const auto half = std::span(touched).first(20);
+  tissue::AsyncSolver cpu(exact()), there(exact());
+  const auto device = lenient();
+  there.set_device(device.get());
+  for (tissue::AsyncSolver* solver : {&cpu, &there}) {
+    solver->analyse(pad.A.pattern(), pad.fixed, {});
+    solver->prepare(pad.A, pad.rotations, 0);
+    EXPECT_EQ(solver->touch(half), 3 * 20);
+  }
+  EXPECT_EQ(there.report().message, "");
+  device->opened()->lose();
+  for (tissue::AsyncSolver* solver : {&cpu, &there}) EXPECT_EQ(solver->touch(touched), 3 * 20);
+  EXPECT_NE(there.report().message.find("the CPU has taken over"), std::string::npos);
+  const MatX ours = cpu.compliance().C, theirs = there.compliance().C;
+  ASSERT_EQ(theirs.rows(), 3 * 40);
+  EXPECT_LT((theirs - ours).norm(), 1e-11 * ours.norm());
+  EXPECT_EQ(theirs, theirs.transpose());
+}
+
 }  // namespace
 }  // namespace sutura::opencl
