@@ -146,7 +146,8 @@ void time_kernels(const DeviceChoice& choice, const Limits& limits, std::array<i
     std::printf("  %-22s %7.1f %9.1f %9.1f %9.1f\n", t.name.c_str(), launches, t.us / steps, floor,
                 launches * limits.launch);
     csv << arena.pad.nodes() << ',' << t.name << ',' << launches << ',' << t.us / steps << ','
-        << floor << ',' << launches * limits.launch << '\n';
+        << floor << ',' << launches * limits.launch << '\n'
+        << std::flush;
   }
   std::fflush(stdout);
 }
@@ -189,7 +190,8 @@ bool bench_step(const DeviceChoice& choice, const Limits& limits, const std::fil
       std::printf(" %9.2f %9.2f %d %s\n", sum.mean(sum.cost.total), sum.worst, sum.unsolved,
                   sum.message.c_str());
       std::fflush(stdout);
-      csv << ',' << sum.mean(sum.cost.total) << ',' << sum.worst << ',' << sum.unsolved << '\n';
+      csv << ',' << sum.mean(sum.cost.total) << ',' << sum.worst << ',' << sum.unsolved << '\n'
+          << std::flush;
     }
   }
   for (const std::array<int, 3>& cells : pads)
