@@ -19,7 +19,7 @@ constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int most_handed_over = 3;  // segments beyond the mouth
 constexpr int parts = 2;             // chords of a segment
-constexpr Real other_side = 0.7;     // sides whose normals are closer than this (cosine) are one
+constexpr Real other_side = 0.9;     // sides whose normals are closer than this (cosine) are one
 
 }  // namespace
 

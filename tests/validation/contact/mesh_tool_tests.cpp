@@ -1,6 +1,7 @@
 // A tool that is a mesh is the tool whose shape it has, however finely it is divided.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "contact_scenes.h"
@@ -54,6 +55,42 @@ TEST(MeshTool, HoldsAThreadAsABoxDoes) {
     EXPECT_LT((found.first - expected.first).norm(), 1e-9) << n;  // the steps leave some 1e-10 m
     EXPECT_LT((found.second - expected.second).norm(), 1e-3 * expected.second.norm()) << n;
   }
+}
+
+/// A block of 10 x 30 mm with a gutter along y: two planes that fall towards x = z = 0 with
+/// `slope`, as OBJ.
+std::string gutter_file(Real slope) {
+  const std::string file = SUTURA_BINARY_DIR "/gutter.obj";
+  std::ofstream out(file);
+  const Real high = 5 * std::tan(slope);
+  for (const int y : {-15, 15})
+    for (const Vec3& p :
+         {Vec3(0, y, 0), Vec3(-5, y, high), Vec3(-5, y, -3), Vec3(5, y, -3), Vec3(5, y, high)})
+      out << "v " << text_of(p) << '\n';
+  out << "f 1 2 3\nf 1 3 4\nf 1 4 5\nf 8 7 6\nf 9 8 6\nf 10 9 6\n";
+  for (int k = 1; k <= 5; ++k) {
+    const int next = k % 5 + 1;
+    out << "f " << k << ' ' << k + 5 << ' ' << next + 5 << ' ' << next << '\n';
+  }
+  return file;
+}
+
+// A thread slides to the bottom of a flat gutter and lies on both of its planes.
+TEST(MeshTool, HoldsAThreadInAGutterOnBothSides) {
+  constexpr Real slope = 0.3, radius = 0.1e-3;  // rad, m
+  TextRun run(
+      "<plugin name='contact'/>" +
+          thread("a", Vec3(0.3e-3, 0, 0.3e-3), Vec3::UnitY(), 0.02, 20, "damping_mass='20 1/s'") +
+          "<Tool name='tool' shape='mesh' unit='mm' file='" + gutter_file(slope) +
+          "'/><Contact tool='tool' friction='0'/>",
+      "dt='5 ms'");
+  ASSERT_TRUE(run) << run.said();
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(run.simulation().step().solved) << i;
+  // Gaps are solved to a micrometre.
+  const Vec3 tip = run.vector("/a", "tip_position");
+  EXPECT_NEAR(tip.x(), 0, 1e-6 / std::sin(slope));
+  EXPECT_NEAR(tip.z(), radius / std::cos(slope), 2e-6);
+  EXPECT_EQ(run.number("/contact", "touches"), 2 * 21);
 }
 
 // Pressed into tissue. What it touches are the nodes of the tissue, the same for both.
