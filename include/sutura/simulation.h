@@ -210,6 +210,7 @@ class Simulation {
   std::unique_ptr<BetterGuess> better_guess_;
   std::unique_ptr<BestGuess> best_guess_;
   std::vector<VecX> motion_;          ///< memory of `detect`
+  std::vector<VecX> free_motion_;     ///< to the last guess of the step that the way to is free
   std::string identity_;              ///< of scene, files and build: what a state must agree with
   GrowingVec lambda_change_;          ///< of the pass (N)
   const Component* asked_ = nullptr;  ///< the component at work

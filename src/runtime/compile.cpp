@@ -105,6 +105,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->settled_.push_back(0);
       s->body_force_.push_back(VecX::Zero(body->dofs()));
       s->motion_.push_back(VecX::Zero(body->dofs()));
+      s->free_motion_.push_back(VecX::Zero(body->dofs()));
     }
     if (auto* recorder = dynamic_cast<Recorder*>(c)) s->recorders_.push_back(recorder);
     if (auto* solver = dynamic_cast<ConstraintSolver*>(c)) {

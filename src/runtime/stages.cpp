@@ -59,21 +59,27 @@ void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
 }
 
 /// What may touch at the present guess. Where a source finds the way to it barred, the guess goes
-/// back to the part of the way that is free.
+/// back towards the last one whose way was free. Towards the start of the step, what is held would
+/// be torn from where it is held, and what the passes have found so far would be lost.
 void Simulation::detect(const StepContext& context) {
+  if (context.pass == 0)
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      free_motion_[i].setZero(bodies_[i].body->dofs());
   constexpr int most_looks = 8;
   for (int look = 0;; ++look) {
     for (ConstraintSource* source : sources_) ask(source).detect(context);
     Real part = 1;
     for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
-    if (part >= 1 || look > most_looks) return;
-    if (look == most_looks) part = 0;  // back to the start, which was free
+    if (part >= 1) break;
+    if (look > most_looks) return;
+    if (look == most_looks) part = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       ask(bodies_[i].body).motion(motion_[i]);
-      motion_[i] *= part;
+      motion_[i] = free_motion_[i] + part * (motion_[i] - free_motion_[i]);
       bodies_[i].body->move_to(context, motion_[i]);
     }
   }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) ask(bodies_[i].body).motion(free_motion_[i]);
 }
 
 /// Events wait: lambda is that of a guess. The report counts them over the whole step.
