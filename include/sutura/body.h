@@ -133,6 +133,8 @@ class Body {
   /// makes that the next guess. May go only part of the way if the linear answer cannot hold so
   /// far.
   virtual void correct(const StepContext& context, const VecX& force_change) = 0;
+  /// Whether the last `correct` went only part of the way.
+  virtual bool went_part_way() const { return false; }
   /// The way from the start of the step to the guess, in the body's own coordinates (m, rad; size
   /// dofs; of each node, its shift comes first).
   /// Empty from a body that cannot be moved from outside.

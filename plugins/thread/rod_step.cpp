@@ -109,6 +109,7 @@ void RodStep::take_change(Rod& rod) {
     part /= 2;
     way_.go(rod, start_, guess_, part);
   }
+  part_way_ = part < 1;
 }
 
 void RodStep::move_to(Rod& rod, const VecX& motion) {

@@ -40,6 +40,7 @@ class RodStep {
   /// The guess moves by that change and the answer to a change of force; only part of the way where
   /// that turns a beam too far.
   void correct(Rod& rod, const Dofs& force_change);
+  bool went_part_way() const { return part_way_; }
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Rod& rod, const Dofs& force) const;
   /// h/2 times the change of velocity, the largest over the nodes that nothing holds (m).
@@ -77,6 +78,7 @@ class RodStep {
   DofVector change_, answer_;
   bool in_step_ = false;
   bool pushed_ = false;  ///< by constraints, in the last step
+  bool part_way_ = false;
 };
 
 }  // namespace sutura::thread

@@ -57,6 +57,7 @@ class SutureThread : public Component,
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
   void correct(const StepContext& context, const VecX& force_change) override;
+  bool went_part_way() const override { return step_.went_part_way(); }
   void motion(VecX& out) const override { out = step_.guess().motion; }
   void move_to(const StepContext&, const VecX& motion) override {
     factored_ = true;  // what could not be factored was another guess

@@ -42,8 +42,13 @@ Real BetterGuess::product(const Pass& a, const Pass& b) const {
 
 bool BetterGuess::move_on(const StepContext& context) {
   Pass& newest = passes_[0];
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (!newest.rests[i]) bodies_[i].body->motion(newest.to[i]);
+  bool whole = true;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (newest.rests[i]) continue;
+    bodies_[i].body->motion(newest.to[i]);
+    whole = whole && !bodies_[i].body->went_part_way();
+  }
+  if (!whole) forget();  // its change is not what the pass asks for
   if (known_ < 2) return false;
 
   // Changes f of the passes; smallest |f0 + sum of c_j (f_j - f0)|.

@@ -5,7 +5,8 @@
 // swing to and fro for ever. Anderson's method (D. G. Anderson, J. ACM 12, 1965; H. F. Walker and
 // P. Ni, SIAM J. Numer. Anal. 49, 2011) learns that part from the passes themselves: of the last
 // few it takes the affine combination whose change G(x) - x is smallest, and the next pass starts
-// there. What a step ends with is always the result of a pass, measured like any other.
+// there. What a step ends with is always the result of a pass, measured like any other. A pass in
+// which a body went only part of its way is not G: with it, all before are forgotten.
 #pragma once
 
 #include <array>

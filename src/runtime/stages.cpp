@@ -63,8 +63,10 @@ void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
 /// be torn from where it is held, and what the passes have found so far would be lost.
 void Simulation::detect(const StepContext& context) {
   if (context.pass == 0)
-    for (std::size_t i = 0; i < bodies_.size(); ++i)
-      free_motion_[i].setZero(bodies_[i].body->dofs());
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      ask(bodies_[i].body).motion(free_motion_[i]);
+      free_motion_[i].setZero();
+    }
   constexpr int most_looks = 8;
   for (int look = 0;; ++look) {
     for (ConstraintSource* source : sources_) ask(source).detect(context);

@@ -14,6 +14,8 @@ class Point : public Body {
   int width() const override { return 3; }
   void motion(VecX& out) const override { out = x; }
   void move_to(const StepContext&, const VecX& motion) override { x = motion; }
+  bool part_way = false;
+  bool went_part_way() const override { return part_way; }
   void begin_step(const StepContext&) override {}
   void linearise(const StepContext&, const VecX&) override {}
   Eigen::Ref<const VecX> change() const override { return x; }
@@ -71,6 +73,24 @@ TEST(BetterGuess, EndsWhatSwingsOrGrows) {
 TEST(BetterGuess, LeavesGoodPassesAlone) {
   const VecX good = factors({0.2, -0.1});
   EXPECT_EQ(left_after(6, good, true), left_after(6, good, false));
+}
+
+// Passes that swing about the end, of which the first three are taken a tenth of the way.
+TEST(BetterGuess, LearnsNothingFromAPassThatWasTakenPartOfTheWay) {
+  Point point(3);
+  point.x << 1, 2, 3;
+  std::vector<Simulation::NamedBody> bodies{{"point", &point}};
+  BetterGuess better(bodies);
+  const StepContext context{.dt = 0.01, .time = 0, .step = 0, .gravity = Vec3::Zero()};
+  const VecX end = VecX::Ones(3);
+  for (int i = 0; i < 6; ++i) {
+    better.begin_pass({0});
+    point.part_way = i < 3;
+    point.x += (point.part_way ? 0.1 : 1) * 2 * (end - point.x);
+    const bool moved = better.move_on(context);
+    EXPECT_EQ(moved, i >= 4) << i;
+  }
+  EXPECT_LT((point.x - end).norm(), 1e-12);
 }
 
 TEST(BetterGuess, ABodyThatRestsIsNotMoved) {
