@@ -133,9 +133,33 @@ std::string check(const VtuGrid& grid) {
   return {};
 }
 
-std::string vtu_text(const VtuGrid& grid, Real time) {
-  const auto nodes = static_cast<std::int64_t>(nodes_per_cell(grid.cell));
-  const std::size_t cells = grid.connectivity.size() / static_cast<std::size_t>(nodes);
+namespace {
+
+void pack(VtuCells& cells) {
+  const int nodes = nodes_per_cell(cells.cell);
+  const std::size_t number = cells.connectivity.size() / static_cast<std::size_t>(nodes);
+  Writer w;
+  w.text = "<Cells>\n";
+  // 32 bits: more nodes than that are no scene of ours, and check() has looked at the indices.
+  w.array("Int32", "connectivity", 1,
+          std::vector<std::int32_t>(cells.connectivity.begin(), cells.connectivity.end()));
+  std::vector<std::int32_t> offsets(number);
+  for (std::size_t i = 0; i < number; ++i) offsets[i] = nodes * static_cast<std::int32_t>(i + 1);
+  w.array("Int32", "offsets", 1, offsets);
+  w.array("UInt8", "types", 1,
+          std::vector<std::uint8_t>(number, static_cast<std::uint8_t>(cells.cell)));
+  w.text += "</Cells>\n";
+  cells.text = std::move(w.text);
+}
+
+}  // namespace
+
+std::string vtu_text(const VtuGrid& grid, Real time, VtuCells& cells) {
+  if (cells.text.empty() || cells.cell != grid.cell || cells.connectivity != grid.connectivity) {
+    cells = {grid.cell, grid.connectivity, {}};
+    pack(cells);
+  }
+  const auto nodes = static_cast<std::size_t>(nodes_per_cell(grid.cell));
   Writer w;
   w.text =
       "<?xml version=\"1.0\"?>\n"
@@ -147,22 +171,14 @@ std::string vtu_text(const VtuGrid& grid, Real time) {
     w.array("Int32", name, 1, std::vector<std::int32_t>{value}, true);
   }
   w.text += "</FieldData>\n<Piece NumberOfPoints=\"" + std::to_string(grid.points.size()) +
-            "\" NumberOfCells=\"" + std::to_string(cells) + "\">\n<Points>\n";
+            "\" NumberOfCells=\"" + std::to_string(grid.connectivity.size() / nodes) +
+            "\">\n<Points>\n";
   std::vector<Real> coordinates;
   coordinates.reserve(3 * grid.points.size());
   for (const Vec3& p : grid.points) coordinates.insert(coordinates.end(), p.data(), p.data() + 3);
   w.array("Float64", "Points", 3, coordinates);
-  w.text += "</Points>\n<Cells>\n";
-  // 32 bits: more nodes than that are no scene of ours, and check() has looked at the indices.
-  w.array("Int32", "connectivity", 1,
-          std::vector<std::int32_t>(grid.connectivity.begin(), grid.connectivity.end()));
-  std::vector<std::int32_t> offsets(cells);
-  for (std::size_t i = 0; i < cells; ++i)
-    offsets[i] = static_cast<std::int32_t>(nodes * static_cast<std::int64_t>(i + 1));
-  w.array("Int32", "offsets", 1, offsets);
-  w.array("UInt8", "types", 1,
-          std::vector<std::uint8_t>(cells, static_cast<std::uint8_t>(grid.cell)));
-  w.text += "</Cells>\n";
+  w.text += "</Points>\n";
+  w.text += cells.text;
   w.fields(grid, false);
   w.fields(grid, true);
   w.text += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";

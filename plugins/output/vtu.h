@@ -34,8 +34,16 @@ struct VtuGrid {
 
 int nodes_per_cell(VtkCell cell);
 
+/// The text that says which points make up which cell, of the last grid written: as long as cells
+/// are the same, as those of a tissue are, it is not packed again.
+struct VtuCells {
+  VtkCell cell = VtkCell::vertex;
+  std::vector<Index> connectivity;
+  std::string text;
+};
+
 /// The text of the file. `time` (s) is stored as the field TimeValue that ParaView shows.
-std::string vtu_text(const VtuGrid& grid, Real time);
+std::string vtu_text(const VtuGrid& grid, Real time, VtuCells& cells);
 
 /// What keeps the grid from being written (a field of wrong length, an index out of range), in a
 /// sentence, or empty.

@@ -66,11 +66,11 @@ void VtuRecorder::initialise(Setup& setup) {
   std::vector<std::string> taken{"constraints"};
   const auto add = [&](const Component& c) {
     taken.push_back(file_name_of(c.path(), taken));
-    series_.push_back({taken.back(), {}});
+    series_.push_back({taken.back(), {}, {}});
   };
   for (const Component* c : setup.scene->components())
     if (dynamic_cast<const Body*>(c) != nullptr) add(*c);
-  series_.push_back({"constraints", {}});
+  series_.push_back({"constraints", {}, {}});
   for (const Component* c : setup.scene->components())
     if (const auto* drawing = dynamic_cast<const Drawing*>(c)) {
       add(*c);
@@ -139,7 +139,7 @@ std::string VtuRecorder::write(Series& series, const VtuGrid& grid, const StepRe
   if (const std::string wrong = check(grid); !wrong.empty()) return series.name + ": " + wrong;
   const std::filesystem::path file =
       std::filesystem::path(series.name) / (series.name + "_" + step_digits(report.step) + ".vtu");
-  std::string error = write_file(directory_ / file, vtu_text(grid, report.time));
+  std::string error = write_file(directory_ / file, vtu_text(grid, report.time, series.cells));
   return error.empty() ? series.pvd.add(report.time, file) : error;
 }
 

@@ -28,6 +28,7 @@ class VtuRecorder : public Component, public Recorder {
   struct Series {
     std::string name;
     PvdFile pvd;
+    VtuCells cells;
   };
   bool due(const StepReport& report);
   std::string write(Series& series, const VtuGrid& grid, const StepReport& report);

@@ -50,9 +50,28 @@ VtuGrid line() {
   return g;
 }
 
+std::string text_of(const VtuGrid& grid, Real time) {
+  VtuCells cells;
+  return vtu_text(grid, time, cells);
+}
+
+// Of a series, cells are packed once; other cells, or the same as another kind, are packed anew.
+TEST(Vtu, TellsOtherCellsFromTheLast) {
+  VtuGrid g = line();
+  VtuCells cells;
+  for (const std::vector<Index>& connectivity :
+       {g.connectivity, g.connectivity, {0, 2, 1, 3}, {0, 3}}) {
+    g.connectivity = connectivity;
+    EXPECT_EQ(vtu_text(g, 0, cells), text_of(g, 0));
+  }
+  g.cell = VtkCell::vertex;
+  g.fields.clear();
+  EXPECT_EQ(vtu_text(g, 0, cells), text_of(g, 0));
+}
+
 TEST(Vtu, NumbersComeBackBitForBit) {
   const VtuGrid g = two_tetrahedra();
-  const auto arrays = read_vtu_arrays(vtu_text(g, 0.1));
+  const auto arrays = read_vtu_arrays(text_of(g, 0.1));
   const auto points = arrays.at("Points").numbers<double>();
   ASSERT_EQ(points.size(), 15u);
   for (std::size_t i = 0; i < 15; ++i) {
@@ -75,7 +94,7 @@ TEST(Vtu, NumbersComeBackBitForBit) {
 TEST(Vtu, TagsAreNotRounded) {
   VtuGrid g = two_tetrahedra();
   g.fields = {{"region", true, 1, {16777217, 3}}};  // 2^24 + 1
-  EXPECT_EQ(read_vtu_arrays(vtu_text(g, 0)).at("region").numbers<double>(),
+  EXPECT_EQ(read_vtu_arrays(text_of(g, 0)).at("region").numbers<double>(),
             (std::vector<double>{16777217, 3}));
 }
 
@@ -86,7 +105,7 @@ TEST(Vtu, IsASmallPartOfTheBareNumbers) {
   for (Index i = 0; i + 1 < 1000; ++i) g.connectivity.insert(g.connectivity.end(), {i, i + 1});
   g.fields = {{"held", false, 1, std::vector<Real>(1000, 0)}};
   const std::size_t bare = 1000 * 3 * 8 + 999 * 2 * 4 + 999 * 4 + 999 + 1000 * 4;
-  EXPECT_LT(vtu_text(g, 0).size(), bare / 2);
+  EXPECT_LT(text_of(g, 0).size(), bare / 2);
 }
 
 TEST(Vtu, CheckRefusesWhatCannotBeRead) {
@@ -148,9 +167,9 @@ TEST(Vtu, VtkReadsIt) {
   ASSERT_EQ(std::system((python + " -c 'import vtkmodules.vtkIOXML' 2>/dev/null").c_str()), 0)
       << "VTK for Python (Debian: python3-vtk9) is missing; ./dev test installs it";
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "sutura_vtu";
-  ASSERT_EQ(write_file(folder / "tets.vtu", vtu_text(two_tetrahedra(), 0.25)), "");
-  ASSERT_EQ(write_file(folder / "line.vtu", vtu_text(line(), 0)), "");
-  ASSERT_EQ(write_file(folder / "empty.vtu", vtu_text(VtuGrid{}, 0)), "");
+  ASSERT_EQ(write_file(folder / "tets.vtu", text_of(two_tetrahedra(), 0.25)), "");
+  ASSERT_EQ(write_file(folder / "line.vtu", text_of(line(), 0)), "");
+  ASSERT_EQ(write_file(folder / "empty.vtu", text_of(VtuGrid{}, 0)), "");
   const std::string script = std::string(SUTURA_SOURCE_DIR) + "/tests/unit/output/print_vtu.py";
   const auto out = folder / "printed.txt";
   const std::string command = python + " '" + script + "' '" + (folder / "tets.vtu").string() +
