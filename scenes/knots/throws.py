@@ -39,6 +39,7 @@ class Throw:
     closed  likewise, when they have closed; as before where it is left out
     behind  by how much the strand is wound behind the tip
     wind    where it is wound, in the throw's own axes: the hand goes round there, and must not get into anything
+    park    how far away the jaws wait until the strand is in front
     tilt    by how many degrees the jaws rise from their tip on
     give    by how much the hand gives way while it draws the strand taut
     pull    likewise, when the throw is tightened
@@ -57,7 +58,7 @@ class Throw:
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
                  give=1.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, slide=(0.7, 0.3), draw=0.0,
                  used=None, closed=None, behind=5.0, tilt=0.0,
-                 wind=(-3, -15, 10), start=0.0):
+                 park=48.0, wind=(-3, -15, 10), start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
         self.turns, self.long, self.tail, self.jaw = turns, long, tail, jaw
         self.bite, self.slide, self.draw = bite, slide, draw
@@ -72,7 +73,7 @@ class Throw:
             self.end_of_tail = end_of_tail
         self.from_here = (apart, -beside / 2, 0)
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
-        self.wind(give, wind)
+        self.wind(give, wind, park)
         self.take(give)
         self.tighten(pull, took, 1.6 * apart if used is None else used)
 
@@ -90,7 +91,7 @@ class Throw:
         used = math.dist(self.from_here, loop) + self.jaw * math.radians(wound)
         return plus(loop, unit(towards), self.long - used + give)
 
-    def wind(self, give, loop):
+    def wind(self, give, loop, park):
         """In front, where nothing is in the way. Angles of the strand that goes to the hand: 0 down, 90 to the front,
         180 up. It comes from behind and below, goes on under the jaws, and at `first` it begins to bend."""
         first, last = 110, 450 + 360 * (self.turns - 1)
@@ -103,7 +104,7 @@ class Throw:
         drop = 3 + loop[2] - tip[2]
         below = unit(plus(plus(loop, (0, 0, -drop)), self.from_here, -1))
         ready = plus(self.from_here, below, self.long + give)
-        away = plus(tip, (48, 0, 0))
+        away = plus(tip, (park, 0, 0))
         self.key(0, self.as_it_lies if self.time == 0 else None, away, "as it lies")
         self.key(0.4, ready, away, "the strand is drawn to the front")
         self.key(0.3, ready, None, "the jaws come over it")

@@ -27,7 +27,7 @@ TILT = 18                       # degrees: the jaws rise with the tail
 HINGE = 15.0                    # of the jaws, behind their tip
 OPEN, CLOSED = 1.75, 0.53       # from the middle of the jaws to that of a blade, at the tip
 CLOSING = 0.08                  # s
-JAWS = dict(tilt=TILT, wind=(-3, -21, 15), behind=8.0, bite=3.0, jaw=1.55, closed=1.25)
+JAWS = dict(tilt=TILT, park=80, wind=(-3, -21, 15), behind=8.0, bite=3.0, jaw=1.55, closed=1.25)
 
 
 def swing(start, end, middle, count):
