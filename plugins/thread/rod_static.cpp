@@ -121,7 +121,7 @@ StaticReport solve_static(Rod& rod, const Vec3& gravity, const VecX& load, Real 
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
-    const Real factor = std::min(1., turn_limit / largest_turn(rod.poses(), step));
+    const Real factor = std::min(1., turn_limit / largest_turn(rod, Configuration::current, step));
     for (Index e = 0; e < rod.beams(); ++e) {
       rod.element_state(e, s);
       const Real change = strain_gradient(rod.element(e), s).dot(beam_motion(step, e));
