@@ -121,7 +121,8 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
     const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
-    if (here < nearest - dip * radius) out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
+    if (here < nearest - dip * radius)
+      out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
   }
 }
 

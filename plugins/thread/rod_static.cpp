@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rod_way.h"
+
 namespace sutura::thread {
 
 void assemble_static(const Rod& rod, const Vec3& gravity, BlockTridiagonal& matrix,

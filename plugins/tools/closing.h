@@ -10,8 +10,9 @@
 
 namespace sutura::tools {
 
-/// Of jaws that began to close at the time `began` and take `time` for it (s), at the end of a step:
-/// how much of what is between them and their middle is left. Those that take no time leave all.
+/// Of jaws that began to close at the time `began` and take `time` for it (s), at the end of a
+/// step: how much of what is between them and their middle is left. Those that take no time leave
+/// all.
 inline Real still_open(const StepContext& context, Real began, Real time) {
   if (!(time > 0)) return 1;
   return std::clamp(1 - (context.time + context.dt - began) / time, 0., 1.);

@@ -84,6 +84,7 @@ def laid_over(start, held, radius, side):
         a = math.radians(15 + 143 * i / 5)
         at = (side * (0.2 + radius * math.cos(a)), 0.12 * i, 0.5 + radius * math.sin(a))
         keys.append((start + 0.2 * i, *at, "the tail is laid over"))
+    keys.append((start + 2.5, *at, "and held until the jaws have it"))
     return keys
 
 
