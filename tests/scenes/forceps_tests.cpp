@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scenes/text_run.h"
+#include "sutura/geometry/curve_segments.h"
 #include "sutura/tool.h"
 
 namespace sutura::testing {
