@@ -23,11 +23,6 @@ RADIUS_2 = 12.4                 # of the way on which it is laid over: as far as
 LONG_2, TAIL_2 = 48.5, 12.3     # from the first throw to the hand, and to where the jaws take the tail
 TAKEN_2 = (9.1, 0.6, 4.15)      # where they do, from the place of the second throw
 
-HELD_3 = (-12.0, 0.0, 1.5)      # the same before a third throw
-RADIUS_3 = 12.0
-LONG_3, TAIL_3 = 42.8, 12.0
-TAKEN_3 = (9.2, 0.6, 3.5)
-
 TILT = 18                       # degrees: the jaws rise with the tail
 HINGE = 15.0                    # of the jaws, behind their tip
 OPEN, CLOSED = 1.75, 0.53       # from the middle of the jaws to that of a blade, at the tip
@@ -55,77 +50,61 @@ def turns(tilt, opening):
     return tuple(angle * k / length for k in (x, y, z))
 
 
-def blades(name, *throws):
-    """The way of the jaws that tie these throws, each with what they do afterwards, and those of their two blades. These
-    turn about a hinge and close on the tail when the tip is there."""
+def blades(name, throw, more):
+    """The way of the jaws, and those of their two blades, which turn about a hinge and close on the tail when the tip is there."""
+    tilt = -TILT * throw.side
+    keys = [(*key[:4], *turns(tilt, 0), key[4]) for key in throw.jaws + more]
+    table(HERE / f"{name}.csv", keys)
+    closed = throw.touch + CLOSING
     angle = math.degrees(math.asin((OPEN - CLOSED) / HINGE))
-    jaws, front, back = [], [], []
-    for throw, more in throws:
-        tilt, closed = -TILT * throw.side, throw.touch + CLOSING
-        as_closed = turns(tilt, 0)
-        for t, x, y, z, what in throw.jaws + more:
-            jaws.append((t, x, y, z, *as_closed, what))
-            for way, side in ((front, -1), (back, 1)):
-                if t <= throw.touch:
-                    way.append((t, x, y + side * OPEN, z, *turns(tilt, -side * throw.side * angle), what))
-                if t == throw.touch:
-                    way.append((closed, x, y + side * CLOSED, z, *as_closed, "the blades close"))
-                if t > closed:
-                    way.append((t, x, y + side * CLOSED, z, *as_closed, what))
-    table(HERE / f"{name}.csv", jaws)
-    table(HERE / f"{name}_front.csv", front)
-    table(HERE / f"{name}_back.csv", back)
+    for blade, side in (("front", -1), ("back", 1)):
+        as_open, as_closed = turns(tilt, -side * throw.side * angle), turns(tilt, 0)
+        way = []
+        for t, x, y, z, *_, what in keys:
+            if t <= throw.touch:
+                way.append((t, x, y + side * OPEN, z, *as_open, what))
+            if t == throw.touch:
+                way.append((closed, x, y + side * CLOSED, z, *as_closed, "the blades close"))
+            if t > closed:
+                way.append((t, x, y + side * CLOSED, z, *as_closed, what))
+        table(HERE / f"{name}_{blade}.csv", way)
 
 
-def laid_over(start, held, radius, side):
-    """The way of the tail to the other side, round the throws: from +x with side 1."""
-    keys = [(start - 0.05, *held, "the tail is held"), (start, *held, "the tail is held")]
+def laid_over(start):
+    """The way of the tail from one side to the other, round the first throw."""
+    keys = [(start - 0.05, *HELD_2, "the tail is held"), (start, *HELD_2, "the tail is held")]
     for i in range(1, 6):
         a = math.radians(15 + 143 * i / 5)
-        at = (side * (0.2 + radius * math.cos(a)), 0.12 * i, 0.5 + radius * math.sin(a))
+        at = (0.2 + RADIUS_2 * math.cos(a), 0.12 * i, 0.5 + RADIUS_2 * math.sin(a))
         keys.append((start + 0.2 * i, *at, "the tail is laid over"))
-    keys.append((start + 2.5, *at, "and held until the jaws have it"))
     return keys
-
-
-def round_the_knot(before, after):
-    """The way of the hand from one throw to the next."""
-    (t0, *begin, _), (t1, *end, _) = before.hand[-1], after.hand[0]
-    return [(t0 + u * (t1 - t0), *at, "the strand is drawn to the front") for u, at in swing(begin, end, (0, 0, 0.5), 5)]
 
 
 if __name__ == "__main__":
     one = Throw(place=(0, 0, 0), apart=APART, turns=2, long=LONG, tail=TAIL - APART, give=0.5, pull=5.0, used=5.0,
                 took=2.0, end_of_tail=TAKEN, slide=[1.6 - 0.13 * i for i in range(11)], start=5.4, **JAWS)
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, give=0.5, pull=2.5,
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, give=0.5, pull=1.0,
                 used=6.3, took=2.5, end_of_tail=TAKEN_2, slide=[1.7 - 0.08 * i for i in range(18)], draw=2.0,
                 start=one.end + 0.3, **JAWS)
-    three = Throw(place=(0, 0, 0.8), apart=0.3, long=LONG_3, tail=TAIL_3, beside=0.1, give=0.5, pull=2.0,
-                  used=6.3, took=2.5, end_of_tail=TAKEN_3, slide=[1.7 - 0.08 * i for i in range(18)], draw=2.0,
-                  start=two.end + 0.3, **JAWS)
-    cut = three.end + 0.55
+    let_go, cut = one.end + 0.85, two.end + 0.55
 
     taken = [(t, *HAND, "the hand takes the strand") for t in (5.2, 5.35)]
-    x, y, z = three.hand[-1][1:4]
-    eased = (x + 1.2, y, z)
-    leave = [(three.end + 0.2, x, y, z, "the hand gives way"), (three.end + 0.45, *eased, "the hand gives way"),
-             (cut, *eased, "the ends are cut, and all go away"), (cut + 0.4, -70, 0, 20, "the ends are cut, and all go away")]
-    table(HERE / "interrupted_hand.csv", taken + one.hand + round_the_knot(one, two) + two.hand + round_the_knot(two, three)
-          + three.hand + leave)
+    (t0, *begin, _), (t1, *end, _) = one.hand[-1], two.hand[0]
+    round_it = [(t0 + u * (t1 - t0), *at, "the strand is drawn to the front") for u, at in swing(begin, end, (0, 0, 0.5), 5)]
+    x, y, z = two.hand[-1][1:4]
+    eased = (x - 1.2, y, z)
+    leave = [(two.end + 0.2, x, y, z, "the hand gives way"), (two.end + 0.45, *eased, "the hand gives way"),
+             (cut, *eased, "the ends are cut, and all go away"), (cut + 0.4, 70, 0, 20, "the ends are cut, and all go away")]
+    table(HERE / "interrupted_hand.csv", taken + one.hand + round_it + two.hand + leave)
 
-    def let_go(throw, side):
-        t, at = throw.end + 0.85, throw.jaws[-1][1:4]
-        return [(t + 0.02, *at, "the jaws let go"), (t + 0.3, side * 45, 0, 10, "the jaws go away")]
-
-    blades("interrupted_jaws", (one, let_go(one, 1)),
-           (three, [(cut, *three.jaws[-1][1:4], "the ends are cut, and all go away"),
-                    (cut + 0.4, 45, 0, 15, "the ends are cut, and all go away")]))
-    blades("interrupted_other_jaws", (two, let_go(two, -1)))
-    table(HERE / "interrupted_assistant.csv", laid_over(one.end + 0.85, HELD_2, RADIUS_2, 1)
-          + laid_over(two.end + 0.85, HELD_3, RADIUS_3, -1))
+    blades("interrupted_jaws", one, [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"),
+                                     (let_go + 0.3, 45, 0, 10, "the jaws go away")])
+    blades("interrupted_other_jaws", two, [(cut, *two.jaws[-1][1:4], "the ends are cut, and all go away"),
+                                           (cut + 0.4, -45, 0, 15, "the ends are cut, and all go away")])
+    table(HERE / "interrupted_assistant.csv", laid_over(let_go))
     table(HERE / "interrupted_tail.csv",
           [(0.3, -71.45, 23.04, 28.06, "the tail follows"), (1.6, -60, 17, 13, "the tail follows"),
            (3.0, -48, 15, 10, "the tail follows"), (5.0, *DRAWN_IN, "the tail is drawn in"), (5.4, -4, 6, 14.5, "and laid over"),
            (5.8, 5, 3, 14, "and laid over"), (6.1, *LAID, "and laid over")])
-    for name, throw in (("first", one), ("second", two), ("third", three)):
+    for name, throw in (("first", one), ("second", two)):
         print(f"{name} throw: the tip is there at {throw.touch:.4g} s, end {throw.end:.4g} s")
