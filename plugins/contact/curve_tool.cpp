@@ -65,7 +65,7 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
   if (way < 1)
     bar(i, u, way, out);
   else if (end.distance < (1 + margin) * radius)
-    touch(i, u, tool_.shape().facet(to), out);
+    out.push_back(touch_at(i, u, tool_.shape().facet(to)));
 }
 
 /// A tool does not wait for what is in its way: where that goes back to where it was, it may still
@@ -73,7 +73,7 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
 void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
   free_way_ = std::min(free_way_, way);
   const Vec3 p = seen_.at(i, way).point(u);
-  touch(i, u, tool_.shape().facet(p), out);
+  out.push_back(touch_at(i, u, tool_.shape().facet(p)));
 }
 
 bool CurveTool::is_far(std::size_t i) const {
@@ -114,14 +114,15 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
     if (std::isnan(place)) break;
     const Real u = (place - s.from) / s.length(), here = from_tool(s, u).distance;
     nearest = std::min(nearest, here);
-    if (is_near(here)) touch(i, u, tool_.shape().facet(s.point(u)), out);
+    if (is_near(here)) out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
   }
   for (int k = 1; k < parts; ++k) {
     if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
     const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
-    if (here < nearest - dip * radius) touch(i, u, tool_.shape().facet(s.point(u)), out);
+    if (here < nearest - dip * radius)
+      out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
   }
 }
 
@@ -152,12 +153,22 @@ Real CurveTool::lowest_between(const CurveSegment& s, Real low, Real high) const
   return (low + high) / 2;
 }
 
-void CurveTool::touch(std::size_t i, Real u, const Facet& on, std::vector<Touch>& out) const {
+/// At its place, as long as that is near the tool.
+bool CurveTool::find_again(Real first, Real /*second*/, Touch& touch) const {
+  const std::size_t i = seen_.index_at(first);
+  const CurveSegment& s = seen_.now[i];
+  const Real u = std::clamp((first - s.from) / s.length(), 0., 1.);
+  if (!(from_tool(s, u).distance < (1 + margin) * s.radius)) return false;
+  touch = touch_at(i, u, tool_.shape().facet(s.point(u)));
+  return true;
+}
+
+Touch CurveTool::touch_at(std::size_t i, Real u, const Facet& on) const {
   const CurveSegment& s = seen_.now[i];
   const Vec3 p = s.point(u);
   const Real height = on.normal.dot(p - on.foot);
   const Pose frame = tool_.placed(Configuration::current);
-  Touch& t = out.emplace_back();
+  Touch t;
   t.first_place = s.abscissa(u);
   t.normal = frame.rotation * on.normal;
   t.along = frame.rotation * s.slope(u);
@@ -165,6 +176,7 @@ void CurveTool::touch(std::size_t i, Real u, const Facet& on, std::vector<Touch>
   t.at = at(frame, t.second_local);
   t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
   t.gap = height - s.radius;
+  return t;
 }
 
 Vec3 CurveTool::slip(const Touch& t) const {

@@ -10,6 +10,7 @@ class CurveTool : public ToolPair {
  public:
   CurveTool(const SegmentedCurve& curve, RigidTool& tool) : ToolPair(tool), curve_(curve) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  bool find_again(Real first, Real second, Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
@@ -33,7 +34,7 @@ class CurveTool : public ToolPair {
   void find_inside(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
   /// The way is free up to a time, from which on `p` of the segment there would be too near.
   void bar(std::size_t segment, Real u, Real way, std::vector<Touch>& out);
-  void touch(std::size_t segment, Real u, const Facet& on, std::vector<Touch>& out) const;
+  Touch touch_at(std::size_t segment, Real u, const Facet& on) const;
   bool is_far(std::size_t segment) const;
 
   const SegmentedCurve& curve_;

@@ -35,6 +35,8 @@ void RigidTool::describe(Describe<RigidTool>& d) {
   d.attribute("length", &RigidTool::length_, "m", between(0, 1e3),
               "Of a cylinder, and of the straight part of a capsule.");
   d.attribute("size", &RigidTool::size_, "m", between(1e-6, 1e3), "Three edges of a box.");
+  d.attribute("rounding", &RigidTool::rounding_, "m", between(0, 1e3),
+              "Radius to which the edges and corners of a box are rounded.");
   d.output("force", "N", "Of all contacts on the tool, over the last step.",
            [](const RigidTool& t) { return t.applied_.force; });
   d.output("moment", "N m", "Of all contacts on the tool, about its centre.",
@@ -52,6 +54,12 @@ void RigidTool::initialise(Setup& setup) {
     setup.error(*this, "'length' of a cylinder is zero; expected more, or a flat box");
     return;
   }
+  if (kind_ == Kind::box && rounding_ > size_.minCoeff() / 2) {
+    setup.error(*this, "'rounding' is " + format_real(rounding_) +
+                           " m; expected at most half of the smallest edge, " +
+                           format_real(size_.minCoeff() / 2) + " m");
+    return;
+  }
   if (kind_ == Kind::mesh) {
     read_mesh(setup);
   } else if (!file_.path.empty()) {
@@ -61,7 +69,8 @@ void RigidTool::initialise(Setup& setup) {
   shape_ = {.kind = kind_ == Kind::mesh ? Shape::Kind::box : static_cast<Shape::Kind>(kind_),
             .radius = radius_,
             .half_length = length_ / 2,
-            .half_size = size_ / 2};
+            .half_size = size_ / 2,
+            .rounding = rounding_};
   if (kind_ == Kind::sphere) shape_.half_length = 0;
   const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
   const Real angle = rotation_.norm();

@@ -49,6 +49,7 @@ class RigidTool : public Component, public Driver, public Drawing {
   Unit unit_ = Unit::m;
   Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
   Vec3 size_{0.01, 0.01, 0.01};
+  Real rounding_ = 0;
   Real radius_ = 1e-3, length_ = 1e-2;
 
   Shape shape_;

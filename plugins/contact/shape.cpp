@@ -15,15 +15,17 @@ ShapeDistance around(const Vec3& offset, Real radius) {
   return {length - radius, offset / length};
 }
 
-ShapeDistance box(const Vec3& p, const Vec3& half) {
+/// Rounded edges: a smaller box with a skin.
+ShapeDistance box(const Vec3& p, const Vec3& half_size, Real rounding) {
+  const Vec3 half = half_size.array() - rounding;
   const Vec3 beyond = p.cwiseAbs() - half;
   const Vec3 sign = p.unaryExpr([](Real x) { return x < 0 ? Real(-1) : Real(1); });
   int face = 0;
   const Real deepest = beyond.maxCoeff(&face);
-  if (deepest <= 0) return {deepest, sign[face] * Vec3::Unit(face)};
+  if (deepest <= 0) return {deepest - rounding, sign[face] * Vec3::Unit(face)};
   const Vec3 out = beyond.cwiseMax(0);
   const Real distance = out.norm();
-  return {distance, sign.cwiseProduct(out) / distance};
+  return {distance - rounding, sign.cwiseProduct(out) / distance};
 }
 
 ShapeDistance cylinder(const Vec3& p, Real radius, Real half_length) {
@@ -51,7 +53,7 @@ ShapeDistance Shape::at(const Vec3& p) const {
     case Kind::cylinder:
       return cylinder(p, radius, half_length);
     case Kind::box:
-      return box(p, half_size);
+      return box(p, half_size, rounding);
   }
   return {};
 }
@@ -69,8 +71,10 @@ Vec3 Shape::core(const Vec3& p, Real layer) const {
       return {in * p.x(), in * p.y(), std::clamp(p.z(), -top, top)};
     }
     case Kind::box: {
-      const Vec3 most = half_size.array() - layer;
-      return p.cwiseMax(-most).cwiseMin(most);
+      const Vec3 most = half_size.array() - std::max(layer, rounding);
+      const Vec3 inner = p.cwiseMax(-most).cwiseMin(most), out = p - inner;
+      const Real skin = std::max(rounding - layer, Real(0)), height = out.norm();
+      return height > skin ? Vec3(inner + skin / height * out) : p;
     }
   }
   return p;

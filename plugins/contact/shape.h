@@ -27,6 +27,7 @@ struct Shape {
   Real radius = 0;               ///< of sphere, capsule, cylinder (m)
   Real half_length = 0;          ///< of the straight part of capsule and cylinder (m)
   Vec3 half_size{Vec3::Zero()};  ///< of the box (m)
+  Real rounding = 0;             ///< radius of its edges (m)
 
   ShapeDistance at(const Vec3& p) const;
   /// At the point of the surface closest to p.

@@ -58,17 +58,4 @@ void move_chain(const std::vector<Pose>& from, const std::vector<Real>& twist_fr
   }
 }
 
-Real largest_turn(const std::vector<Pose>& poses, const Dofs& motion) {
-  Real largest = 0;
-  for (Index i = 0; i < static_cast<Index>(poses.size()); ++i) {
-    const auto spin = motion.segment<3>(6 * i + 3);
-    largest = std::max(largest, tangent(poses[i]).cross(spin).norm());
-    if (i == 0) continue;
-    const Vec3 chord = poses[i].position - poses[i - 1].position;
-    const Vec3 change = motion.segment<3>(6 * i) - motion.segment<3>(6 * i - 6);
-    largest = std::max(largest, chord.cross(change).norm() / chord.squaredNorm());
-  }
-  return largest;
-}
-
 }  // namespace sutura::thread

@@ -37,8 +37,6 @@ inline Vec9 beam_motion(const Dofs& motion, Index beam) {
       .finished();
 }
 
-/// Largest turn of a chord or a tangent in that motion (rad).
-Real largest_turn(const std::vector<Pose>& poses, const Dofs& motion);
 /// rad: inside it the quadratic model of a beam is good.
 inline constexpr Real turn_limit = 0.5;
 

@@ -29,7 +29,7 @@ bool RodStep::leave_saddle(Rod& rod) {
   if (!guess_.force.at.isZero(0) || !buckles(rod)) return false;
   matrix_.negative_direction(rod.element(0).length, answer_.head(6 * matrix_.blocks()));
   rod.stretches().unpack(rod.poses(), answer_);
-  const Real turn = largest_turn(rod.poses(), answer_);
+  const Real turn = largest_turn(rod, Configuration::current, answer_);
   if (!(turn > 0)) return false;
   const Real downhill = guess_.missing.dot(answer_) < 0 ? -1 : 1;
   answer_ *= downhill * 1e-3 / turn;  // by a milliradian first

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rod_way.h"
+
 namespace sutura::thread {
 
 void assemble_static(const Rod& rod, const Vec3& gravity, BlockTridiagonal& matrix,
@@ -121,7 +123,7 @@ StaticReport solve_static(Rod& rod, const Vec3& gravity, const VecX& load, Real 
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
-    const Real factor = std::min(1., turn_limit / largest_turn(rod.poses(), step));
+    const Real factor = std::min(1., turn_limit / largest_turn(rod, Configuration::current, step));
     for (Index e = 0; e < rod.beams(); ++e) {
       rod.element_state(e, s);
       const Real change = strain_gradient(rod.element(e), s).dot(beam_motion(step, e));

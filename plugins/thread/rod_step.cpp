@@ -57,7 +57,7 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity) {
   const bool falls = !pushed_ && !rod.is_held();
   for (Index i = 0; i < rod.nodes() && falls; ++i) answer_.segment<3>(6 * i) += dt * dt * gravity;
   rod.stretches().spread(rod.poses(), answer_);
-  if (largest_turn(rod.poses(Configuration::start), answer_) > turn_limit) return;
+  if (largest_turn(rod, Configuration::start, answer_) > turn_limit) return;
   way_.aim(rod, guess_, answer_);
   way_.go(rod, start_, guess_, 1);
 }
@@ -97,7 +97,7 @@ void RodStep::correct(Rod& rod, const Dofs& force_change) {
 void RodStep::take_change(Rod& rod) {
   guess_.force.hold(rod);
   answer_ = start_.dt * change_;
-  const Real turn = largest_turn(rod.poses(), answer_);
+  const Real turn = largest_turn(rod, Configuration::current, answer_);
   Real part = std::min(1., turn_limit / turn);
   way_.aim(rod, guess_, answer_);
   way_.predict_tension(rod, guess_, part);

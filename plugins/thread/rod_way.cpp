@@ -2,6 +2,20 @@
 
 namespace sutura::thread {
 
+Real largest_turn(const Rod& rod, Configuration c, const Dofs& motion) {
+  const std::vector<Pose>& poses = rod.poses(c);
+  Real largest = 0;
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const auto spin = motion.segment<3>(6 * i + 3);
+    largest = std::max(largest, tangent(poses[i]).cross(spin).norm());
+    if (i == 0 || rod.is_cut(i - 1)) continue;
+    const Vec3 chord = poses[i].position - poses[i - 1].position;
+    const Vec3 change = motion.segment<3>(6 * i) - motion.segment<3>(6 * i - 6);
+    largest = std::max(largest, chord.cross(change).norm() / chord.squaredNorm());
+  }
+  return largest;
+}
+
 void RodWay::resize(Index nodes) {
   const auto n = static_cast<std::size_t>(nodes);
   for (auto* v : {&from_, &direction_}) v->clear(6 * nodes);
@@ -70,6 +84,8 @@ void RodWay::go(Rod& rod, const RodStart& start, RodGuess& guess, Real part) {
       const Vec3 change = part * (direction_.segment<3>(6 * i) - direction_.segment<3>(6 * e));
       if (stretches.is_rigid(e)) {
         b.position = stretch_turn * (begin[i].position - begin[e].position);
+      } else if (rod.is_cut(e)) {
+        b.position = chord + change;
       } else {
         const Vec3 turn = chord.cross(change) / chord.squaredNorm();
         b.position = rotated(Quat::Identity(), turn) * chord;

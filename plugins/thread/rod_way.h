@@ -12,6 +12,9 @@
 
 namespace sutura::thread {
 
+/// Largest turn of a chord or a tangent in that motion (rad). What is cut has no chord.
+Real largest_turn(const Rod& rod, Configuration c, const Dofs& motion);
+
 class RodWay {
  public:
   void resize(Index nodes);

@@ -1,6 +1,7 @@
 // Whether jaws are closed: by the times of the scene, or as a host has said.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "grasp_schedule.h"
@@ -8,6 +9,14 @@
 #include "sutura/body.h"
 
 namespace sutura::tools {
+
+/// Of jaws that began to close at the time `began` and take `time` for it (s), at the end of a
+/// step: how much of what is between them and their middle is left. Those that take no time leave
+/// all.
+inline Real still_open(const StepContext& context, Real began, Real time) {
+  if (!(time > 0)) return 1;
+  return std::clamp(1 - (context.time + context.dt - began) / time, 0., 1.);
+}
 
 class Closing {
  public:

@@ -63,6 +63,7 @@ void Forceps::drive(const StepContext& context) {
   applied_ = {};
   sliding_ = false;
   take_ = closing_.closed();
+  taken_ = context.time;
 }
 
 void Forceps::look(const SegmentedCurve& curve, Configuration c) {
@@ -130,20 +131,21 @@ void Forceps::take_patch(Index target) {
   pieces_.push_back(std::move(piece));
 }
 
-void Forceps::begin_step(const Target& target, Point& p) const {
+/// `open`: how much of its height over the middle is left to a strand.
+void Forceps::begin_step(const Target& target, Real open, Point& p) const {
   const Pose frame = placed(Configuration::start);
   Vec3 at;
-  Real lift = 0;
+  Real height = p.height;
   if (target.curve != nullptr) {
     const Vec3 closing = frame.rotation * Vec3::UnitZ();
     p.start_arm = p.side * arm_across(*target.curve, p.s, closing, Configuration::start);
-    lift = p.start_arm.dot(closing);
+    height = open * p.height + p.start_arm.dot(closing);
     at = target.curve->point(p.s, Configuration::start) + p.start_arm;
   } else {
     at = target.solid->position(p.at, Configuration::start);
   }
   p.anchor.head<2>() = seen_from(frame, at).head<2>() - p.stretch;
-  p.anchor.z() = p.height + lift;
+  p.anchor.z() = height;
 }
 
 Vec3 Forceps::position(const Target& target, const Point& p) const {
@@ -155,8 +157,10 @@ void Forceps::detect(const StepContext& context) {
   if (context.pass == 0) {
     if (take_) take();
     take_ = false;
+    const Real open = still_open(context, taken_, closing_time_);
     for (Piece& piece : pieces_)
-      for (Point& p : piece.points) begin_step(targets_[static_cast<std::size_t>(piece.target)], p);
+      for (Point& p : piece.points)
+        begin_step(targets_[static_cast<std::size_t>(piece.target)], open, p);
   }
   const Pose frame = placed(Configuration::current);
   for (Piece& piece : pieces_) {
@@ -263,6 +267,7 @@ void Forceps::drop_what_is_out() {
 void Forceps::archive(Archive& a) {
   closing_.archive(a);
   a("take", take_);
+  a("taken", taken_);
   a("next_id", next_id_);
   a("sliding", sliding_);
   a("applied", applied_);
@@ -343,6 +348,9 @@ void Forceps::describe(Describe<Forceps>& d) {
               "Largest force along the jaws on all that they hold.");
   d.attribute("stiffness", &Forceps::stiffness_, "N/m", between(1e-15, 1e12),
               "Of the grip on all that they hold, up to that force.");
+  d.attribute("closing", &Forceps::closing_time_, "s", between(0, 1e6),
+              "Time in which the jaws close and bring the strands between them to their middle; 0: "
+              "these stay where they were taken.");
   d.attribute("grasp", &Forceps::grasp_, "s", at_least(0), "Times at which the jaws close.");
   d.attribute("release", &Forceps::release_, "s", at_least(0),
               "Times at which they open; one less than grasps: they hold on.");

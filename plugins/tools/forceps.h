@@ -82,7 +82,7 @@ class Forceps : public Component,
   void drop_what_is_out();
   /// The stretches of a curve between the jaws go to `stretches_`.
   void look(const SegmentedCurve& curve, Configuration c);
-  void begin_step(const Target& target, Point& p) const;
+  void begin_step(const Target& target, Real open, Point& p) const;
   Vec3 position(const Target& target, const Point& p) const;
 
   Link<Body> body_;
@@ -91,6 +91,7 @@ class Forceps : public Component,
   Vec3 size_{2e-3, 2e-3, 2e-3};
   Real strength_ = 10;
   Real stiffness_ = 1e6;
+  Real closing_time_ = 0;
   std::vector<Real> grasp_{0}, release_;
 
   Index source_id_ = 0;
@@ -98,6 +99,7 @@ class Forceps : public Component,
   JawSpace space_;
   std::vector<Target> targets_;
   Closing closing_;
+  Real taken_ = 0;     ///< when that was (s)
   bool take_ = false;  ///< they have closed: what is between them is to be taken
   std::vector<Piece> pieces_;
   std::uint64_t next_id_ = 0;

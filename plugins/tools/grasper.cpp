@@ -28,6 +28,9 @@ void Grasper::describe(Describe<Grasper>& d) {
               "Of the grip, in translation.");
   d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e12),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
+  d.attribute("closing", &Grasper::closing_time_, "s", between(0, 1e6),
+              "Time in which the section is drawn from where it was taken to the tool's own place, "
+              "where the track leads the point 0 0 0; 0: it stays where it was taken.");
   d.input("hold", "1", between(0, 1),
           "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "
           "the next time of grasp or release counts again.",
@@ -64,6 +67,7 @@ void Grasper::ready(Setup&) {
 void Grasper::archive(Archive& a) {
   closing_.archive(a);
   a("grip", grip_);
+  a("taken", taken_);
   a("target", target_);
 }
 
@@ -76,8 +80,11 @@ void Grasper::drive(const StepContext& context) {
   if (changed) {
     const Pose tool = track_->start_pose(), at = body_->frame(at_, Configuration::current);
     grip_ = {seen_from(tool, at.position), (tool.rotation.conjugate() * at.rotation).normalized()};
+    taken_ = context.time;
   }
-  target_ = compose(track_->pose(), grip_);
+  Pose grip = grip_;
+  grip.position *= still_open(context, taken_, closing_time_);
+  target_ = compose(track_->pose(), grip);
   body_->set_hold(hold_, target_, {stiffness_, rotation_stiffness_});
 }
 

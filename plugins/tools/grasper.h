@@ -35,10 +35,12 @@ class Grasper : public Component, public Driver, public Jaws {
   std::vector<Real> release_;
   Real stiffness_ = HoldStiffness{}.translation;
   Real rotation_stiffness_ = HoldStiffness{}.rotation;
+  Real closing_time_ = 0;
 
   Closing closing_;
   Index hold_ = -1;  ///< number of the hold in the body
   Pose grip_;        ///< the section, seen from the tool, since the last grasp
+  Real taken_ = 0;   ///< when that was (s)
   Pose target_;      ///< where the section is to be at the end of the step
 };
 

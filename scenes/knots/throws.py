@@ -35,7 +35,12 @@ class Throw:
     tail    length of the tail, which lies on what the thread goes round, and stands out from it to the long strand's side
     lean    elevation of the tail in degrees
     beside  by how much the long strand lies before the tail
-    jaw     radius of the closed jaws and the thread together
+    jaw     radius of the jaws and the thread together, while the strand is wound; of a bar of the same girth
+    closed  likewise, when they have closed; as before where it is left out
+    behind  by how much the strand is wound behind the tip
+    wind    where it is wound, in the throw's own axes: the hand goes round there, and must not get into anything
+    park    how far away the jaws wait until the strand is in front
+    tilt    by how many degrees the jaws rise from their tip on
     give    by how much the hand gives way while it draws the strand taut
     pull    likewise, when the throw is tightened
     used    what the throw and what is in it take of the long strand; 1.6 * apart where it is left out
@@ -52,10 +57,13 @@ class Throw:
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
                  give=1.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, slide=(0.7, 0.3), draw=0.0,
-                 used=None, start=0.0):
+                 used=None, closed=None, behind=5.0, tilt=0.0,
+                 park=48.0, wind=(-3, -15, 10), start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
         self.turns, self.long, self.tail, self.jaw = turns, long, tail, jaw
         self.bite, self.slide, self.draw = bite, slide, draw
+        self.closed, self.behind = jaw if closed is None else closed, behind
+        self.backwards = (math.cos(math.radians(tilt)), 0, math.sin(math.radians(tilt)))  # along the jaws, from their tip
         self.time, self.hand, self.jaws = start, [], []
         a = math.radians(lean)
         aslant = beside / (apart * (1.5 * math.pi - a))  # of the thread that goes round: a helix
@@ -65,7 +73,7 @@ class Throw:
             self.end_of_tail = end_of_tail
         self.from_here = (apart, -beside / 2, 0)
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
-        self.wind(give)
+        self.wind(give, wind, park)
         self.take(give)
         self.tighten(pull, took, 1.6 * apart if used is None else used)
 
@@ -83,19 +91,20 @@ class Throw:
         used = math.dist(self.from_here, loop) + self.jaw * math.radians(wound)
         return plus(loop, unit(towards), self.long - used + give)
 
-    def wind(self, give):
+    def wind(self, give, loop, park):
         """In front, where nothing is in the way. Angles of the strand that goes to the hand: 0 down, 90 to the front,
         180 up. It comes from behind and below, goes on under the jaws, and at `first` it begins to bend."""
-        loop, behind, first, last = (-3, -15, 10), 5, 110, 450 + 360 * (self.turns - 1)
-        tip = plus(loop, (-behind, 0, 0))
+        first, last = 110, 450 + 360 * (self.turns - 1)
+        tip = plus(loop, self.backwards, -self.behind)
 
         def round_the_jaws(angle):
             a = math.radians(angle)
             return self.taut(loop, angle - first, (-0.25, -math.sin(a), -math.cos(a)), give)
 
-        below = unit(plus(plus(loop, (0, 0, -3)), self.from_here, -1))
+        drop = 3 + loop[2] - tip[2]
+        below = unit(plus(plus(loop, (0, 0, -drop)), self.from_here, -1))
         ready = plus(self.from_here, below, self.long + give)
-        away = plus(tip, (48, 0, 0))
+        away = plus(tip, (park, 0, 0))
         self.key(0, self.as_it_lies if self.time == 0 else None, away, "as it lies")
         self.key(0.4, ready, away, "the strand is drawn to the front")
         self.key(0.3, ready, None, "the jaws come over it")
@@ -105,27 +114,26 @@ class Throw:
             self.key(1.2 / steps, round_the_jaws(first + 20 * i), None, "the strand is wound")
         self.key(0, None, tip, "the strand is wound")
         self.wound = 20 * steps
-        self.behind = behind
 
     def take(self, give):
         """The jaws meet the end of the tail, and the hand pulls along them until they have it, so that the loop stays.
         Then the hand goes to the other side, and the loop slides over the tip and along the tail."""
-        end, back = self.end_of_tail, self.behind
+        end = self.end_of_tail
 
         def both(seconds, tip, towards, what):
-            self.key(seconds, self.taut(plus(tip, (back, 0, 0)), self.wound, towards, give), tip, what)
+            loop = plus(tip, self.backwards, self.behind)
+            self.key(seconds, self.taut(loop, self.wound, towards, give), tip, what)
 
-        before = plus(end, (2 + self.bite, 0, 0))
+        before = plus(end, self.backwards, 2 + self.bite)
         both(0.3, plus(before, (0, -8, 0)), (0.6, -1, 0.1), "jaws and loop go to the tail")
         both(0.3, before, (0.7, -1, 0.1), "jaws and loop go to the tail")
         both(0.15, end, (0.7, -1, 0.1), "the tip touches the end of the tail")
         self.touch, self.grasp = self.time, self.time + 0.05
+        self.jaw = self.closed
         both(0.1, end, (0.7, -1, 0.1), "the jaws take it")
-        ways = {1.0: (0.7, -1, 0.1), 0.7: (-0.3, -1, 0), 0.3: (-1, -0.8, -0.1)}
         for part in self.slide:
-            high, low = (1.0, 0.7) if part >= 0.7 else (0.7, 0.3)
-            u = max(0, (high - part) / (high - low))
-            towards = tuple((1 - u) * a + u * b for a, b in zip(ways[high], ways[low]))
+            u = min(1, max(0, (0.7 - part) / 0.4))
+            towards = tuple((1 - u) * a + u * b for a, b in zip((-0.3, -1, 0), (-1, -0.8, -0.1)))
             loop = plus(self.foot, plus(end, self.foot, -1), part)
             tip = plus(end, (min(1, max(0, 2 * (1 - part))) * self.draw, 0, 0))
             self.key(0.8 / len(self.slide), self.taut(loop, self.wound, towards, give), tip, "the loop slides along the tail")
@@ -142,12 +150,14 @@ class Throw:
 
 
 def table(name, keys):
-    lines, said = ["t [s], x [mm], y [mm], z [mm]"], None
-    for time, x, y, z, what in keys:
+    """Of keys (time, x, y, z, what is done), or with a rotation vector in degrees before that."""
+    header = ["t [s], x [mm], y [mm], z [mm]", ", rx [deg], ry [deg], rz [deg]" if len(keys[0]) > 5 else ""]
+    lines, said = ["".join(header)], None
+    for time, *numbers, what in keys:
         if what != said:
             lines.append(f"# {what}")
         said = what
-        lines.append(f"{time:.4g}, {x:.2f}, {y:.2f}, {z:.2f}")
+        lines.append(", ".join([f"{time:.4g}"] + [f"{x:.2f}" for x in numbers]))
     (HERE / name).write_text("\n".join(lines) + "\n")
 
 

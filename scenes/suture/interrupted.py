@@ -16,15 +16,18 @@ LONG, TAIL = 51.2, 16.8         # from the mouths to the hand, and to where the 
 HAND = (19.97, -24.39, 40.88)   # where the hand takes the strand
 DRAWN_IN = (-6.6, 15.2, 4.0)    # where the tail is held when the thread has been drawn through
 LAID = (12.1, 0.5, 5.2)         # where it is held for the first throw,
-TAKEN = (10.7, 0.5, 4.8)        # and where the tip of the jaws takes it
+TAKEN = (10.0, 0.45, 4.55)      # and where the tip of the jaws is that take it
 
 HELD_2 = (13.5, 0.0, 3.9)       # where an assistant takes the tail after the first throw
 RADIUS_2 = 12.4                 # of the way on which it is laid over: as far as it reaches
 LONG_2, TAIL_2 = 48.5, 12.3     # from the first throw to the hand, and to where the jaws take the tail
-TAKEN_2 = (9.8, 0.6, 4.4)       # where they do, from the place of the second throw
+TAKEN_2 = (9.1, 0.6, 4.15)      # where they do, from the place of the second throw
 
-OPEN, CLOSED = 1.1, 0.62        # from the middle of the jaws to the axis of a blade
+TILT = 18                       # degrees: the jaws rise with the tail
+HINGE = 15.0                    # of the jaws, behind their tip
+OPEN, CLOSED = 1.75, 0.53       # from the middle of the jaws to that of a blade, at the tip
 CLOSING = 0.08                  # s
+JAWS = dict(tilt=TILT, park=80, wind=(-3, -21, 15), behind=8.0, bite=3.0, jaw=1.55, closed=1.25)
 
 
 def swing(start, end, middle, count):
@@ -38,20 +41,32 @@ def swing(start, end, middle, count):
         yield u, plus(middle, way, (1 - u) * r + u * q)
 
 
+def turns(tilt, opening):
+    """Rotation vector (degrees) that turns by `opening` about z and then by `tilt` about y."""
+    a, b = math.radians(opening) / 2, math.radians(tilt) / 2
+    w, x, y, z = (math.cos(a) * math.cos(b), math.sin(a) * math.sin(b), math.cos(a) * math.sin(b), math.sin(a) * math.cos(b))
+    length = math.hypot(x, y, z)
+    angle = math.degrees(2 * math.atan2(length, w))
+    return tuple(angle * k / length for k in (x, y, z))
+
+
 def blades(name, throw, more):
-    """The way of the jaws, and those of their two blades, which close on the tail when the tip is there."""
-    keys = throw.jaws + more
+    """The way of the jaws, and those of their two blades, which turn about a hinge and close on the tail when the tip is there."""
+    tilt = -TILT * throw.side
+    keys = [(*key[:4], *turns(tilt, 0), key[4]) for key in throw.jaws + more]
     table(HERE / f"{name}.csv", keys)
     closed = throw.touch + CLOSING
+    angle = math.degrees(math.asin((OPEN - CLOSED) / HINGE))
     for blade, side in (("front", -1), ("back", 1)):
+        as_open, as_closed = turns(tilt, -side * throw.side * angle), turns(tilt, 0)
         way = []
-        for t, x, y, z, what in keys:
+        for t, x, y, z, *_, what in keys:
             if t <= throw.touch:
-                way.append((t, x, y + side * OPEN, z, what))
+                way.append((t, x, y + side * OPEN, z, *as_open, what))
             if t == throw.touch:
-                way.append((closed, x, y + side * CLOSED, z, "the blades close"))
-            if t > throw.touch:
-                way.append((max(t, closed), x, y + side * CLOSED, z, what))
+                way.append((closed, x, y + side * CLOSED, z, *as_closed, "the blades close"))
+            if t > closed:
+                way.append((t, x, y + side * CLOSED, z, *as_closed, what))
         table(HERE / f"{name}_{blade}.csv", way)
 
 
@@ -66,11 +81,11 @@ def laid_over(start):
 
 
 if __name__ == "__main__":
-    one = Throw(place=(0, 0, 0), apart=APART, turns=2, long=LONG, tail=TAIL - APART, jaw=1.25, give=0.5, pull=5.0, used=5.0,
-                took=1.2, end_of_tail=TAKEN, bite=2.0, slide=(1.2, 0.9, 0.7, 0.5, 0.3), start=5.4)
-    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, jaw=1.2, give=0.5, pull=1.0,
-                used=6.3, took=1.8, end_of_tail=TAKEN_2, bite=2.0, slide=[1.4 - 0.06 * i for i in range(19)], draw=2.0,
-                start=one.end + 0.3)
+    one = Throw(place=(0, 0, 0), apart=APART, turns=2, long=LONG, tail=TAIL - APART, give=0.5, pull=5.0, used=5.0,
+                took=2.0, end_of_tail=TAKEN, slide=[1.6 - 0.13 * i for i in range(11)], start=5.4, **JAWS)
+    two = Throw(place=(0, 0, 0.4), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, give=0.5, pull=1.0,
+                used=6.3, took=2.5, end_of_tail=TAKEN_2, slide=[1.7 - 0.08 * i for i in range(18)], draw=2.0,
+                start=one.end + 0.3, **JAWS)
     let_go, cut = one.end + 0.85, two.end + 0.55
 
     taken = [(t, *HAND, "the hand takes the strand") for t in (5.2, 5.35)]

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scenes/text_run.h"
+#include "sutura/geometry/curve_segments.h"
 #include "sutura/tool.h"
 
 namespace sutura::testing {
@@ -35,6 +36,29 @@ TEST(Forceps, TakeTheStrandsThatAreBetweenThem) {
   EXPECT_EQ(pieces("centre='5 1.5 0 mm' size='2 4 2 mm'"), 2);
   EXPECT_EQ(pieces("centre='5 1.5 0 mm' size='2 4 2 mm' body='/other'"), 1);
   EXPECT_EQ(pieces("centre='5 -2 0 mm'"), 0);
+}
+
+// What lies aside between the jaws is in their middle when they are closed, at a constant pace.
+TEST(Forceps, BringWhatTheyTakeToTheirMiddle) {
+  const auto heights = [](const std::string& closing) {
+    TextRun run(thread + "<Forceps centre='5 0.2 0.6 mm' size='2 2 2 mm' grasp='0.1 s' " + closing +
+                "/>");
+    EXPECT_TRUE(run) << run.said();
+    std::vector<Vec3> at;
+    for (const Real time : {0.1, 0.15, 0.2, 0.3}) {
+      run.run(time);
+      at.push_back(run.component<SegmentedCurve>("/thread").point(35e-3, Configuration::current));
+    }
+    return at;
+  };
+  const std::vector<Vec3> drawn = heights("closing='0.1 s'"), left = heights("");
+  constexpr Real off = 1e-6;  // m: of the grip's spring, and of a step's tolerance
+  EXPECT_LT(std::abs(drawn[0].z()), off);
+  EXPECT_NEAR(drawn[1].z(), 0.3e-3, off);
+  EXPECT_NEAR(drawn[2].z(), 0.6e-3, off);
+  EXPECT_NEAR(drawn[3].z(), 0.6e-3, off);
+  for (const Vec3& p : drawn) EXPECT_LT(std::abs(p.y()), off);  // along the jaws nothing draws
+  for (const Vec3& p : left) EXPECT_LT(p.tail<2>().norm(), off);
 }
 
 // Whatever the direction in which they close, across the thread.

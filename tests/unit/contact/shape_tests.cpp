@@ -14,7 +14,9 @@ const std::vector<Shape>& shapes() {
       {.kind = Shape::Kind::sphere, .radius = 2},
       {.kind = Shape::Kind::capsule, .radius = 0.7, .half_length = 1.5},
       {.kind = Shape::Kind::cylinder, .radius = 1.2, .half_length = 0.8},
-      {.kind = Shape::Kind::box, .half_size = Vec3(1, 0.5, 2)}};
+      {.kind = Shape::Kind::box, .half_size = Vec3(1, 0.5, 2)},
+      {.kind = Shape::Kind::box, .half_size = Vec3(1, 0.5, 2), .rounding = 0.1},
+      {.kind = Shape::Kind::box, .half_size = Vec3(1, 0.5, 2), .rounding = 0.5}};
   return all;
 }
 
@@ -53,6 +55,10 @@ TEST(Shape, KnownDistances) {
   EXPECT_NEAR(shapes()[3].at(Vec3(1.5, 0, 1.2)).distance, 0.5, 1e-15);  // a 3-4-5 triangle
   EXPECT_NEAR(shapes()[4].at(Vec3(2, 1.5, 0)).distance, std::sqrt(2), 1e-15);
   EXPECT_NEAR(shapes()[4].at(Vec3(0.2, 0.4, 0)).distance, -0.1, 1e-15);
+  // Rounded: faces stay where they are, an edge is a circle.
+  EXPECT_NEAR(shapes()[5].at(Vec3(0.2, 0.9, 1)).distance, 0.4, 1e-15);
+  EXPECT_NEAR(shapes()[5].at(Vec3(0.2, 0.4, 0)).distance, -0.1, 1e-15);
+  EXPECT_NEAR(shapes()[5].at(Vec3(1.2, 0.7, 0)).distance, 0.3 * std::sqrt(2) - 0.1, 1e-15);
 }
 
 // What is left without a layer is inside of the shape, by the layer at least; of all its points the

@@ -203,5 +203,23 @@ TEST(RodStep, AClampHoldsAndASpringPullsWithWhatItSays) {
   EXPECT_LT((rod.poses(Configuration::current)[20].position - rested).norm(), 1e-7);
 }
 
+// The gap of a cut has no chord: where one end flies off, that is no turn that shortens the way.
+TEST(RodStep, WhatIsCutFliesApartInOneStep) {
+  Rod rod;
+  rod.build(straight_layout(0.1, 20, nylon()));
+  rod.cut(9);
+  const Vec3 speed(0, 3, 4);  // m/s: in a step ten times as far as a beam is long
+  for (Index i = 10; i < rod.nodes(); ++i) rod.velocity().segment<3>(6 * i) = speed;
+  RodStep step(rod);
+  constexpr Real dt = 10e-3;
+  const Index passes = step.advance(rod, dt, Vec3::Zero(), VecX::Zero(rod.dofs()));
+  EXPECT_GT(passes, 0);
+  EXPECT_LE(passes, 2);
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const Vec3 expected = Vec3(5e-3 * static_cast<Real>(i), 0, 0) + (i < 10 ? 0 : dt) * speed;
+    EXPECT_LT((rod.poses()[i].position - expected).norm(), 1e-9) << i;
+  }
+}
+
 }  // namespace
 }  // namespace sutura::thread

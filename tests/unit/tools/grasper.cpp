@@ -71,6 +71,22 @@ TEST(Grasper, LetsGoAndGraspsAgainWithoutAJump) {
   EXPECT_EQ(rod.stiffness().rotation, 0.5);
 }
 
+TEST(Grasper, DrawsTheSectionToItsOwnPlaceWhileItCloses) {
+  const Loaded s(
+      "<Curve name='rod' length='100 mm'/>"
+      "<Track name='tool' times='0.5 0.7 s' positions='40 8 0  40 8 6 mm'/>"
+      "<Grasper name='jaws' at='40 mm' grasp='0.2 s' closing='0.4 s'/>");
+  ASSERT_TRUE(s.simulation) << s.messages();
+  const auto& rod = s.get<fake::Curve>("/rod");
+  // Of 8 mm aside a quarter in each step from the third on; the tool rises from 0.5 s on.
+  const Real aside_mm[] = {0, 0, 2, 4, 6, 8, 8, 8}, high_mm[] = {0, 0, 0, 0, 0, 3, 6, 6};
+  for (int step = 0; step < 8; ++step) {
+    s.simulation->step();
+    const Vec3 expected(40e-3, 1e-3 * aside_mm[step], 1e-3 * high_mm[step]);
+    EXPECT_LT((rod.point(0.04, Configuration::current) - expected).norm(), rounding) << step;
+  }
+}
+
 TEST(Track, ReadsACsvFileBesideTheScene) {
   const std::filesystem::path folder = testing::TempDir();
   std::ofstream(folder / "sutura_track.csv") << "t [s], z [mm]\n0, 0\n1, 10\n";
