@@ -20,7 +20,9 @@ constexpr Real along = 0.5;
 // Between two points that touch a strand must turn by pi, at least; less what segments hide.
 constexpr Real least_turn = 2.5;
 
+/// Two pieces of a thread that is cut may meet however straight they are.
 Real turn(const CurveSegment& s) {
+  if (s.cut) return 2 * std::numbers::pi;
   const auto angle = [](const Vec3& a, const Vec3& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
   };
@@ -117,10 +119,10 @@ void CurveCurve::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   drop_doubles(out, from);
 }
 
-bool CurveCurve::is_lowest(Real u, Real slope, std::size_t segment, std::size_t segments) {
+bool CurveCurve::is_lowest(Real u, Real slope, const MovingCurve& curve, std::size_t segment) {
   constexpr Real rounding = 1e-9;
-  if (u <= 0) return segment == 0 || std::abs(slope) < rounding;
-  if (u >= 1) return segment + 1 == segments;  // else the next one has it at its u = 0
+  if (u <= 0) return curve.begins_piece(segment) || std::abs(slope) < rounding;
+  if (u >= 1) return curve.ends_piece(segment);  // else the next one has it at its u = 0
   return true;
 }
 
@@ -157,7 +159,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   if (end.distance > (1 + margin) * R) return;
 
   const auto is_on_b = [&](const ClosestPair& at) {
-    return is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size());
+    return is_lowest(at.v, slope(at, c.slope(at.v)), b(), j);
   };
   // Strands along each other touch at the nodes of the first.
   Real nearest = std::numeric_limits<Real>::infinity();
@@ -168,7 +170,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
     const ClosestPair at = closest_to(a.point(u), u, c);
     if (!is_on_b(at)) continue;
     nearest = std::min(nearest, at.distance);
-    const bool is_mine = u < 1 || i + 1 == a_.size();
+    const bool is_mine = u < 1 || a_.ends_piece(i);
     if (is_mine && at.distance < (1 + node_margin) * R) out.push_back(touch_at(i, j, at));
   }
   for (Real place = a.abscissa(at_node); is_along;) {
@@ -180,7 +182,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
     nearest = std::min(nearest, at.distance);
     out.push_back(touch_at(i, j, at));
   }
-  const bool is_on_a = is_lowest(end.u, slope(end, a.slope(end.u)), i, a_.size());
+  const bool is_on_a = is_lowest(end.u, slope(end, a.slope(end.u)), a_, i);
   // Where strands are deep in each other the nearest place always is a touch: beside one that is
   // pushed apart they may come closer.
   const bool is_deep = end.distance < (1 - 2 * dip) * R;
@@ -201,7 +203,7 @@ bool CurveCurve::find_again(Real first, Real second, Touch& touch) const {
     if (is_self_ && !are_apart(i, j)) continue;
     const CurveSegment& c = b().now[j];
     const ClosestPair at = closest_to(a.point(u), u, c);
-    if (at.distance < nearest.distance && is_lowest(at.v, slope(at, c.slope(at.v)), j, b().size()))
+    if (at.distance < nearest.distance && is_lowest(at.v, slope(at, c.slope(at.v)), b(), j))
       nearest = at, on = j;
   }
   if (!(nearest.distance < (1 + margin) * reach(a, b().now[on]))) return false;

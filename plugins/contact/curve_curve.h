@@ -36,7 +36,7 @@ class CurveCurve : public Pair {
   Real left_of_overlap(std::size_t i, std::size_t j, Real reach) const;
   Touch touch_at(std::size_t i, std::size_t j, const ClosestPair& at) const;
   /// Is the point of a pair that is closest on its segment also so on the curve around?
-  static bool is_lowest(Real u, Real slope, std::size_t segment, std::size_t segments);
+  static bool is_lowest(Real u, Real slope, const MovingCurve& curve, std::size_t segment);
   static void drop_doubles(std::vector<Touch>& touches, std::size_t from);
 
   const SegmentedCurve &first_, &second_;

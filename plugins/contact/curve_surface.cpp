@@ -112,7 +112,7 @@ void CurveSurface::find(const TouchedPlaces& before, std::vector<Touch>& out) {
 void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
   const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
   const Real r = s.radius;
-  if (is_inside(s.from, s.to)) return;
+  if (s.cut || is_inside(s.from, s.to)) return;
   Box box;
   MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
   around_.clear();
@@ -140,12 +140,12 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
 
   // At the nodes, once for both segments that share one.
   Real nearest = std::numeric_limits<Real>::infinity();
+  const bool is_last = seen_.ends_piece(i) || is_inside(seen_.now[i + 1].from, seen_.now[i + 1].to);
   for (const Real u : {0., 1.}) {
     sides_of(i, u, sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      if (u < 1 || i + 1 == seen_.size() || is_inside(seen_.now[i + 1].from, seen_.now[i + 1].to))
-        touch(i, side, out);
+      if (u < 1 || is_last) touch(i, side, out);
     }
   }
   // Where it was touched before, and where the surface stands out between.
@@ -227,7 +227,7 @@ Real CurveSurface::distance() const {
   now.look(true);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& s : now.seen_.now) {
-    if (now.is_inside(s.from, s.to)) continue;
+    if (s.cut || now.is_inside(s.from, s.to)) continue;
     for (const Vec3& p : {s.xa, s.xb}) {
       const Real depth = surface_.boundary()->depth(p);
       if (depth > 0) smallest = std::min(smallest, -depth - s.radius);

@@ -48,7 +48,9 @@ void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
 
 /// Nodes are touched where they are: a curve that lies on a surface lies on it along its length.
 void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
-  const std::size_t i = std::min(node, seen_.size() - 1);
+  std::size_t i = std::min(node, seen_.size() - 1);
+  if (seen_.now[i].cut && node > 0) i = node - 1;
+  if (seen_.now[i].cut) return;
   const Real u = node == i ? 0 : 1;
   Real radius = seen_.now[i].radius;
   if (node > 0) radius = std::max(radius, seen_.now[node - 1].radius);
@@ -84,7 +86,7 @@ bool CurveTool::is_far(std::size_t i) const {
 
 /// Between nodes, where the curve dips towards the tool: over an edge, round a bend.
 void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
-  if (is_far(i)) return;
+  if (seen_.now[i].cut || is_far(i)) return;
   const Real radius = seen_.now[i].radius;
   const auto is_free = [&](const CurveSegment& seen) {
     const Vec3 p = seen.point(lowest(seen, radius).u);
@@ -200,6 +202,7 @@ Real CurveTool::distance() const {
   const Pose frame = tool_.placed(Configuration::current);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& world : segments) {
+    if (world.cut) continue;
     const CurveSegment s = seen_from(frame, world);
     smallest = std::min(smallest, lowest(s, smallest + s.radius).distance - s.radius);
   }

@@ -268,8 +268,8 @@ void Knots::find_ranges(const TouchCluster& cluster) {
   }
 }
 
-/// Of the thread as far as the next tight knots, or its ends. From there it goes straight on, away
-/// from the knot.
+/// Of the thread as far as the next tight knots, where it is cut, or its ends. From there it goes
+/// straight on, away from the knot.
 KnotType Knots::type_of(Real first, Real last) {
   Real from = 0, to = curve_->length();
   for (const auto* list : {&knots_, &before_})
@@ -279,6 +279,11 @@ KnotType Knots::type_of(Real first, Real last) {
       if (other.from > last) to = std::min(to, other.from);
     }
   curve_->segments(Configuration::current, segments_);
+  for (const CurveSegment& s : segments_) {
+    if (!s.cut) continue;
+    if (s.to <= first) from = std::max(from, s.to);
+    if (s.from >= last) to = std::min(to, s.from);
+  }
   std::vector<Vec3> line;
   Vec3 middle = Vec3::Zero();
   Real inside = 0;

@@ -28,6 +28,9 @@ struct MovingCurve {
     curve.segments(Configuration::current, now);
   }
   std::size_t size() const { return now.size(); }
+  /// Is segment i the first, or the last, of its piece?
+  bool begins_piece(std::size_t i) const { return i == 0 || now[i - 1].cut; }
+  bool ends_piece(std::size_t i) const { return i + 1 == size() || now[i + 1].cut; }
   CurveSegment at(std::size_t i, Real time) const { return on_the_way(start[i], now[i], time); }
   /// Points whose convex hull contains a segment.
   static void hull(const CurveSegment& s, Vec3 (&points)[4]) {

@@ -147,6 +147,7 @@ const PathSample* Channel::find(std::uint64_t id) const {
 }
 
 void Channel::update(bool blocked) {
+  got_out_ = false;
   find_abscissae();
   retract();
   readvance();
@@ -207,7 +208,10 @@ void Channel::record() {
     // The tip is outside without a puncture. Well clear of the surface the bite is over. Close to
     // it the tip may still be tenting: the footprint is held back on average, not every facet.
     const auto foot = tissue_.closest_surface(tip(), spacing_, Configuration::current);
-    if (!foot) leave(end_);
+    if (!foot) {
+      leave(end_);
+      got_out_ = true;
+    }
     return;
   }
   end_ = embed(tip());

@@ -89,6 +89,8 @@ class Channel {
   /// The channel grows as far as the tip has come: samples at their spacing along the needle, each
   /// fixed to the tissue that is there now, and the end at the tip itself.
   void record();
+  /// Whether the tip was found outside since the last update although no surface has let it out.
+  bool got_out() const { return got_out_; }
   void archive(Archive& archive);
 
  private:
@@ -113,6 +115,7 @@ class Channel {
   std::vector<PathSample> samples_;
   std::size_t passed_ = 0;
   Real end_depth_ = 0;
+  bool got_out_ = false;
   EmbeddedPoint end_;
   std::uint64_t next_id_ = 0;
 };

@@ -17,6 +17,8 @@ constexpr Real found = 1e-6;          // and to which accuracy
 // slid is where it slid to; one that is further is another.
 constexpr Real as_far = 2;
 
+constexpr Real along = 1e-3;  // sine of the angle at which a needle runs along a wall, not at it
+
 }  // namespace
 
 void Puncture::describe(Describe<Puncture>& d) {
@@ -60,8 +62,8 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.output("punctures", "1", "Times the tip has gone through a surface.",
            [](const Puncture& p) { return Real(p.count_); });
   d.output("overruns", "1",
-           "Times the tip was found inside without a puncture: the mesh is too coarse for the "
-           "indentation.",
+           "Times the tip was found inside without a puncture (the mesh is too coarse for the "
+           "indentation), or outside again (the step is too long for what is as thin).",
            [](const Puncture& p) { return Real(p.overruns_); });
   d.output("state", "",
            "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or "
@@ -101,7 +103,8 @@ void Puncture::archive(Archive& a) {
   a("peak_force", peak_force_);
 }
 
-/// What the tip faces is found where the step begins and kept; passes only follow it.
+/// What the tip faces is found where the step begins and kept; passes only follow it. A guess that
+/// goes further than the first one may meet what that did not.
 void Puncture::detect(const StepContext& context) {
   std::optional<Vec3> pressed_at;
   if (context.pass == 0) {
@@ -112,8 +115,9 @@ void Puncture::detect(const StepContext& context) {
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
+  const bool is_met = front_ == Front::none && context.pass > 0 && meet_on_the_way();
   if (front_ == Front::none || front_ == Front::overrun) return;
-  if (context.pass == 0) {
+  if (context.pass == 0 || is_met) {
     if (front_ == Front::layer)
       footprint_.find(touched_);
     else
@@ -124,6 +128,23 @@ void Puncture::detect(const StepContext& context) {
   follow_front();
 }
 
+/// Whether the guess has led the tip through a surface that it did not face. It faces it now.
+bool Puncture::meet_on_the_way() {
+  const bool inside = path_->channel().tip_inside();
+  if (inside && !path_->channel().tip_at_end()) return false;
+  const Vec3 tip = path_->thread().point(0, Configuration::start);
+  const Vec3 to = path_->thread().point(0, Configuration::current);
+  const Vec3 back = path_->thread().tangent(0, Configuration::start);
+  const auto hit =
+      path_->tissue().crossing(tip, to, Configuration::start, inside ? Vec3(-back) : back);
+  if (!hit || std::abs(hit->normal.dot(back)) < along) return false;
+  if (!inside && path_->channel().mouth_near(hit->position)) return false;
+  touched_ = *hit;
+  if (inside) touched_.normal *= -1;
+  front_ = inside ? Front::exit : Front::entry;
+  return true;
+}
+
 /// What the tip faces at the start of the step. Where it presses already, the answer is where the
 /// footprint is to stand under it, so that the gap goes on where it was: at the same point of the
 /// tissue, or where the tip slid to, at the same height. Sought anew, the tip of a tent would be
@@ -132,13 +153,14 @@ std::optional<Vec3> Puncture::find_front() {
   const Front before = front_;
   const SurfacePoint pressed = touched_;
   front_ = Front::none;
+  beside_ = false;
   if (!path_->channel().tip_inside()) {
     front_ = find_entry();
   } else if (path_->channel().tip_at_end()) {
     front_ = find_exit();
     if (front_ == Front::none) front_ = find_layer();
   }
-  if (!presses_) return std::nullopt;
+  if (!presses_ || beside_) return std::nullopt;
   const Vec3 was = footprint_.position(path_->tissue(), Configuration::start);
   const Real slid = (path_->thread().point(0, Configuration::start) - was).norm();
   const Vec3 on = touched_.position - was;
@@ -193,8 +215,33 @@ Puncture::Front Puncture::find_entry() {
     return Front::overrun;
   }
   if (!hit) return Front::none;
+  beside_ = is_beside(*hit, reach_ + dent);
+  if (beside_) return Front::none;
   touched_ = *hit;
   return Front::entry;
+}
+
+/// The law knows a plane, which goes on beside the surface. Whether the tip goes past the edge of
+/// the surface, as it stands and as its first guess says: neither stands over it, nor is the
+/// surface on its way or where the needle points, up to `reach`.
+bool Puncture::is_beside(const SurfacePoint& hit, Real reach) const {
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const Vec3 tip = thread.point(0, Configuration::start);
+  const Vec3 to = presses_ ? tip : thread.point(0, Configuration::current);
+  const Vec3 back = thread.tangent(0, Configuration::start);
+  const auto is_over = [&](const SurfacePoint& s) {
+    const Vec3 r = to - s.position;
+    const Vec3 n = tissue.surface_normal(s.triangle, Configuration::start);
+    return n.dot(back) > along && (r - n.dot(r) * n).norm() < thread.radius(0);
+  };
+  if (presses_ && is_over(hit)) return false;
+  const auto meets = [&](const Vec3& from, const Vec3& end) {
+    return tissue.crossing(from, end, Configuration::start, back).has_value();
+  };
+  if (meets(tip, to) || meets(to + reach * back, to - reach * back)) return false;
+  const auto foot = tissue.closest_surface(to, reach, Configuration::start, back);
+  return !foot || !is_over(*foot);
 }
 
 Puncture::Front Puncture::find_exit() {
@@ -291,7 +338,20 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
     ++overruns_;
     begin_bite();
   }
-  if (!block_.valid()) return;
+  if (block_.valid()) commit_front(solved);
+  const bool let_out =
+      front_ == Front::exit && block_.valid() && solved.mode(block_) == PunctureLaw::penetrated;
+  got_out_ = path_->channel().got_out() && !let_out;
+  if (got_out_) ++overruns_;
+}
+
+std::string Puncture::fault() const {
+  if (front_ == Front::overrun) return "the tip got in without a puncture (an overrun)";
+  if (got_out_) return "the tip got out without a puncture (an overrun): the step is too long";
+  return "";
+}
+
+void Puncture::commit_front(const SolvedBlocks& solved) {
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     force_ = touched_.normal.dot(solved.force(block_));
     peak_force_ = std::max(peak_force_, force_);

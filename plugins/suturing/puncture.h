@@ -24,9 +24,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
-  std::string fault() const override {
-    return front_ == Front::overrun ? "the tip got in without a puncture (an overrun)" : "";
-  }
+  std::string fault() const override;
 
  private:
   /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface
@@ -34,8 +32,11 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   enum class Front { none, entry, layer, exit, overrun };
   std::optional<Vec3> find_front();
   Front find_entry();
+  bool meet_on_the_way();
+  bool is_beside(const SurfacePoint& hit, Real reach) const;
   Front find_exit();
   Front find_layer();
+  void commit_front(const SolvedBlocks& solved);
   void begin_bite();
   void follow_front();
   Real threshold_of_front() const;
@@ -52,6 +53,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
 
   Front front_ = Front::none;
   bool blocked_ = false;  ///< the front holds the tip from the inside
+  bool beside_ = false;   ///< the tip goes past the edge of what it would press on
   Footprint footprint_;
   bool presses_ = false;  ///< on entry or exit, at the end of the last step
   SurfacePoint touched_;  ///< normal: out of what the tip would go into
@@ -60,8 +62,9 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far
   Index overruns_ = 0;
-  Real force_ = 0;       ///< along the normal (N)
-  Real peak_force_ = 0;  ///< largest so far (N)
+  bool got_out_ = false;  ///< in the last step, without a puncture
+  Real force_ = 0;        ///< along the normal (N)
+  Real peak_force_ = 0;   ///< largest so far (N)
 };
 
 }  // namespace sutura::suturing

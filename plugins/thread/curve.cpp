@@ -90,6 +90,7 @@ void send_away(CurveSegment& s) {
   s.xa = s.xb = far * Vec3(1, 1 + s.from, 1 + s.to);
   s.ma = s.mb = Vec3::Zero();
   s.radius = 0;
+  s.cut = true;
 }
 
 }  // namespace

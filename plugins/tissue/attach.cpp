@@ -94,7 +94,13 @@ void Attach::initialise(Setup& setup) {
   selected_.erase(std::unique(selected_.begin(), selected_.end()), selected_.end());
   HeldNodes& held = tissue->model().held;
   slides_ = !(along[0] && along[1] && along[2]);
-  if (!slides_) held.fix(selected_);
+  if (!slides_) {
+    const Index contradicted = held.fix(selected_, motion.get());
+    if (contradicted > 0)
+      setup.warning(*this, std::to_string(contradicted) +
+                               " of its nodes are held by another Attach, which does not move them "
+                               "as this one does; the last that moves them does");
+  }
   for (const Index node : selected_) {
     if (slides_)
       handles_.push_back(tissue->support(node, along));

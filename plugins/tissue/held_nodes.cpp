@@ -5,8 +5,16 @@
 
 namespace sutura::tissue {
 
-void HeldNodes::fix(std::span<const Index> nodes) {
-  for (const Index i : nodes) fixed_[static_cast<std::size_t>(i)] = 1;
+Index HeldNodes::fix(std::span<const Index> nodes, const void* mover) {
+  mover_.resize(fixed_.size(), nullptr);
+  Index contradicted = 0;
+  for (const Index node : nodes) {
+    const auto i = static_cast<std::size_t>(node);
+    contradicted += fixed_[i] && mover_[i] != mover;
+    if (!fixed_[i] || mover != nullptr) mover_[i] = mover;
+    fixed_[i] = 1;
+  }
+  return contradicted;
 }
 
 Index HeldNodes::carrier(Index fixed_node, const Vec3& at) {

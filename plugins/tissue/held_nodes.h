@@ -15,7 +15,8 @@ class HeldNodes {
  public:
   explicit HeldNodes(Index nodes = 0) : fixed_(static_cast<std::size_t>(nodes), 0) {}
 
-  void fix(std::span<const Index> nodes);
+  /// `mover`: what carries them, or null. Returns how many are held already, and moved otherwise.
+  Index fix(std::span<const Index> nodes, const void* mover = nullptr);
   /// A fixed node that will be carried, from `at` (m). Returns the number of its carrier.
   Index carrier(Index fixed_node, const Vec3& at);
   /// Where the node is to be at the end of the step.
@@ -58,6 +59,7 @@ class HeldNodes {
   Vec3 force(const Support& support, const VecX& x) const;
 
   std::vector<char> fixed_;
+  std::vector<const void*> mover_;  ///< per node; empty as long as none is fixed
   std::vector<Carried> carried_;
   std::vector<Support> supports_;
   VecX free_;           ///< per dof: 0 where a support holds it, else 1; empty without supports

@@ -89,11 +89,12 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     if (!stands || !setup.ok()) failed.insert(c);
   }
   if (!diagnostics.ok()) return nullptr;
-  for (Component* c : order.components()) {
+  const auto ask_if_ready = [&](Component* c) {
     setup.source_id = std::find(document.begin(), document.end(), c) - document.begin() + 1;
     setup.errors_before = diagnostics.errors();
     call(*c, &Component::ready, setup);
-  }
+  };
+  for (Component* c : order.components()) ask_if_ready(c);
   if (!diagnostics.ok()) return nullptr;
 
   for (Component* c : document) {
@@ -132,6 +133,11 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
     }
   }
   if (!s->settle(diagnostics)) return nullptr;
+  // A balance knows of no constraint: bodies may have settled into each other.
+  if (std::ranges::any_of(s->bodies_, [](const NamedBody& b) { return b.body->wants_settling(); }))
+    for (Component* c : order.components())
+      if (dynamic_cast<ConstraintSource*>(c)) ask_if_ready(c);
+  if (!diagnostics.ok()) return nullptr;
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();

@@ -123,6 +123,24 @@ TEST(Settling, AThreadTakesItsRestShape) {
   EXPECT_LT(run.vector("/end", "displacement").norm(), 1e-6);
 }
 
+// Nodes that one support holds and another moves go with the one that moves, and that is said.
+TEST(Supports, ThatContradictEachOtherAreNamed) {
+  const std::string block =
+      "<BlockMesh box='0 0 0  10 4 4 mm' cells='8 3 3'/><Tissue young='50 kPa'/>"
+      "<Track name='m' times='0 0.1 s' positions='0 0 0  0 0 2 mm'/><Attach name='a' box='0 0 0  "
+      "1.25 4 4 mm'/>";
+  TextRun apart(block + "<Attach name='b' box='2.5 0 0  10 4 4 mm' motion='m'/>");
+  EXPECT_EQ(apart.said().find("another Attach"), std::string::npos) << apart.said();
+  TextRun both(block +
+               "<Attach name='b' box='1.25 0 0  10 4 4 mm' motion='m'/>"
+               "<TissueProbe name='shared' point='1.25 0 0 mm'/>");
+  ASSERT_TRUE(both) << both.said();
+  EXPECT_NE(both.said().find("16 of its nodes are held by another Attach"), std::string::npos)
+      << both.said();
+  both.run(0.2);
+  EXPECT_NEAR(both.vector("/shared", "displacement").z(), 2e-3, 1e-12);
+}
+
 // A settled scene begins at rest and stays there.
 TEST(Settling, WhatIsSettledStays) {
   TextRun run(block +

@@ -89,6 +89,68 @@ TEST(Scissors, NothingTouchesWhatIsCut) {
   EXPECT_LT(cut.vector("/above", "tip_position").z(), -50e-3);
 }
 
+TEST(Scissors, WhatIsCutIsOnNeitherSideOfAPlane) {
+  // A plane bounds a half space, and no place is far from all half spaces.
+  for (const char* axis : {"0 0 1", "1 1 1", "-1 -1 1", "-0.3 0.2 0.5"}) {
+    TextRun run(
+        "<plugin name='contact'/><SutureThread needle_length='0' tip='-20 0 0 mm' "
+        "tip_direction='-1 0 0' thread_length='40 mm' thread_beams='41' clamp='both'/>"
+        "<Tool shape='plane' centre='0 0 -40 mm' axis='" +
+        std::string(axis) + "'/><Contact tool='tool'/><Scissors size='0.5 2 2 mm' times='0'/>");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.05);
+    EXPECT_EQ(run.number("/suture_thread", "cuts"), 1);
+    EXPECT_EQ(run.vector("/tool", "force").norm(), 0) << axis;
+    EXPECT_GT(run.number("/contact", "distance"), 0) << axis;
+    EXPECT_TRUE(run.simulation().report().solved) << axis;
+  }
+}
+
+TEST(Scissors, TheEndsOfACutLieOnWhatIsBelow) {
+  // Both halves fall on a table, or on tissue as wide as they are long, and lie there.
+  const std::string thread =
+      "<plugin name='contact'/><SutureThread name='a' needle_length='0' tip='-5 0.1 0.2 mm' "
+      "tip_direction='-1 0 0' thread_length='10 mm' thread_beams='11' thread_diameter='0.2 mm' "
+      "damping_mass='20 1/s'/><Scissors size='0.5 2 2 mm' times='0'/>"
+      "<ThreadProbe name='left' at='4.5454545 mm'/><ThreadProbe name='right' at='5.4545455 mm'/>";
+  for (const char* below :
+       {"<Tool shape='plane'/><Contact first='/a' tool='tool' friction='0'/>",
+        "<Tool shape='box' size='20 20 2 mm' centre='0 0 -1 mm'/><Contact first='/a' tool='tool'/>",
+        "<BlockMesh box='-8 -4 -4  8 4 0 mm' cells='8 4 2'/><Tissue young='100 kPa' "
+        "poisson='0.3'/><Attach box='-8 -4 -4  8 4 -4 mm'/><Contact first='/a' "
+        "second='/tissue'/>"}) {
+    TextRun run(thread + below, "dt='5 ms' gravity='0 0 -9.81'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(1);
+    EXPECT_EQ(run.number("/a", "cuts"), 1);
+    // The ends beside the cut are as high as the radius, as the others.
+    for (const char* end : {"/left", "/right"})
+      EXPECT_NEAR(run.vector(end, "position").z(), 0.1e-3, 3e-6) << end << below;
+    EXPECT_NEAR(run.number("/contact", "distance"), 0, 3e-6) << below;
+    EXPECT_TRUE(run.simulation().report().solved) << below;
+  }
+}
+
+TEST(Scissors, TheHalvesTouchEachOther) {
+  // The halves lie along one line. One is let fall on the other, which a hand holds, and lies on
+  // it: without a cut nothing of a straight thread would touch itself.
+  TextRun run(
+      "<plugin name='contact'/><SutureThread name='a' needle_length='0' tip='-10 0 0 mm' "
+      "tip_direction='-1 0 0' thread_length='20 mm' thread_beams='41' thread_diameter='0.2 mm' "
+      "thread_young='10 GPa' damping_mass='20 1/s'/><Scissors track='still' size='0.4 2 2 mm' "
+      "times='0'/>"
+      "<Track name='way' times='0 0.2 0.4 s' positions='0 0 0  0 0 1  -5 0 1 mm'/>"
+      "<Track name='still' times='0' positions='0 0 0'/>"
+      "<Grasper name='left' at='5 mm' track='still'/>"
+      "<Grasper name='right' at='15 mm' track='way' release='0.4 s'/>"
+      "<Contact first='/a' friction='0.5'/>",
+      "dt='2 ms' gravity='0 0 -9.81'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.6);
+  EXPECT_GT(run.number("/contact", "touches"), 0);
+  EXPECT_NEAR(run.number("/contact", "distance"), 0, 3e-6);
+}
+
 TEST(Scissors, RefuseAThreadThatIsSampledAnew) {
   TextRun run("<SutureThread sampling_angle='0.3'/><Scissors/>");
   EXPECT_FALSE(run);

@@ -16,6 +16,7 @@ struct CurveSegment {
   Vec3 xa, ma, xb, mb;    ///< ends, and tangents there times the length at rest (m)
   Real radius = 0;        ///< of the section (m)
   Index rigid = -1;       ///< which rigid body it is part of; -1: none
+  bool cut = false;       ///< bears and touches nothing; its points are far from everything
 
   Real length() const { return to - from; }
   Real abscissa(Real u) const { return from + u * (to - from); }
