@@ -14,6 +14,28 @@ class GradientsAlone : public ConjugateGradientDevice {
     gradients_.set_matrix(A, fixed);
     return true;
   }
+  bool set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                    std::span<const char> fixed) override {
+    gradients_.set_elements(tets, pattern, fixed);
+    return true;
+  }
+  bool set_viscosity(const VecX& moved, Real share) override {
+    gradients_.set_viscosity(moved, share);
+    return true;
+  }
+  bool assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                std::vector<Mat3>& rotations) override {
+    gradients_.assemble(moved, scale, diagonal, force, rotations);
+    return true;
+  }
+  bool element_force(const VecX& moved, VecX& force) override {
+    gradients_.element_force(moved, force);
+    return true;
+  }
+  bool read_matrix(std::span<Real> values) override {
+    gradients_.read_matrix(values);
+    return true;
+  }
   bool set_factor(const SupernodalFactor& factor) override {
     gradients_.set_factor(factor);
     return true;

@@ -55,6 +55,15 @@ struct NodeMatrixView {
   const Real* values = nullptr;  ///< nine per block, by rows
 };
 
+/// Corotational linear tetrahedra (docs/theory/tissue.md), in the order in which they are summed.
+struct TetElementsView {
+  std::span<const std::int32_t> node;  ///< four per tet, ascending
+  std::span<const std::int32_t> slot;  ///< ten per tet: its blocks 00 01 02 03 11 12 13 22 23 33
+  std::span<const Real> gradient;      ///< nine per tet: of nodes 1, 2, 3; node 0: minus their sum
+  std::span<const Real> volume;        ///< m^3
+  std::span<const Real> moduli;        ///< two per tet: mu and lambda, times volume (N m)
+};
+
 /// Conjugate gradients on a device: A of the step, preconditioned by an older factor turned with
 /// the material, P^-1 = Q (L L^T)^-1 Q^T.
 class ConjugateGradientDevice {
@@ -74,6 +83,19 @@ class ConjugateGradientDevice {
 
   /// The matrix of the step. `fixed`: per node, nonzero where b is ignored and x zero.
   virtual bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) = 0;
+  /// Elements whose forces and matrix are made there; `pattern` is that of the matrix.
+  virtual bool set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                            std::span<const char> fixed) = 0;
+  /// `share` beta/(h + beta) of the strain at the start of the step is taken off; 0: none.
+  virtual bool set_viscosity(const VecX& moved, Real share) = 0;
+  /// The matrix of the step, from elements whose nodes have `moved` since rest (m): A <- scale K +
+  /// diag(diagonal); force <- -dE/dx (N); rotations <- of the material around each node.
+  virtual bool assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                        std::vector<Mat3>& rotations) = 0;
+  /// force <- -dE/dx (N).
+  virtual bool element_force(const VecX& moved, VecX& force) = 0;
+  /// The numbers of the matrix that was assembled.
+  virtual bool read_matrix(std::span<Real> values) = 0;
   virtual bool set_factor(const SupernodalFactor& factor) = 0;
   /// Q, per node.
   virtual bool set_turns(std::span<const Mat3> turns) = 0;

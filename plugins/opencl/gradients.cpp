@@ -35,6 +35,7 @@ Gradients::Gradients(const Device& device, Precision precision)
     : device_(device),
       precision_(precision),
       solves_(device, precision),
+      elements_(device, precision),
       full_start_(device),
       entries_(device),
       columns_(device),
@@ -81,6 +82,11 @@ void Gradients::write_reals(Buffer& to, const Real* from, std::size_t count) {
 }
 
 void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed) {
+  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
+  if (A.nodes == nodes_ && std::ranges::equal(A.row_start, row_start_) &&
+      std::ranges::equal(A.column, column_) &&
+      std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
+    return;
   nodes_ = static_cast<int>(A.nodes);
   row_start_.assign(A.row_start.begin(), A.row_start.end());
   column_.assign(A.column.begin(), A.column.end());
@@ -120,17 +126,32 @@ void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed
 }
 
 void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
-  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
-  if (A.nodes != nodes_ || !std::ranges::equal(A.row_start, row_start_) ||
-      !std::ranges::equal(A.column, column_) ||
-      !std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
-    set_pattern(A, fixed);
+  set_pattern(A, fixed);
   const std::size_t count = 9 * column_.size();
   if (stores_double(precision_))
     write_as<double>(values_, A.values, count);
   else
     write_as<float>(values_, A.values, count);
   device_.finish();  // of the values: the matrix may go before anything is read
+}
+
+void Gradients::set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                             std::span<const char> fixed) {
+  set_pattern(pattern, fixed);
+  elements_.set(tets, pattern);
+  values_.reserve(9 * column_.size() * (stores_double(precision_) ? 8 : 4));
+}
+
+void Gradients::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                         std::vector<Mat3>& rotations) {
+  elements_.assemble(moved, scale, diagonal, values_, force, rotations);
+}
+
+void Gradients::read_matrix(std::span<Real> values) {
+  if (stores_double(precision_)) return values_.read(values.data(), values.size_bytes());
+  rounded_.resize(values.size());
+  values_.read(rounded_);
+  std::copy(rounded_.begin(), rounded_.end(), values.begin());
 }
 
 void Gradients::set_factor(const SupernodalFactor& factor) {

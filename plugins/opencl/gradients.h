@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "device.h"
+#include "elements.h"
 #include "panels.h"
 #include "precision.h"
 
@@ -58,6 +59,14 @@ class Gradients {
   ~Gradients();
 
   void set_matrix(const NodeMatrixView& A, std::span<const char> fixed);
+  /// As ConjugateGradientDevice has them.
+  void set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                    std::span<const char> fixed);
+  void set_viscosity(const VecX& moved, Real share) { elements_.set_viscosity(moved, share); }
+  void assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                std::vector<Mat3>& rotations);
+  void element_force(const VecX& moved, VecX& force) { elements_.force(moved, force); }
+  void read_matrix(std::span<Real> values);
   void set_factor(const SupernodalFactor& factor);
   void set_turns(std::span<const Mat3> turns);
   ConjugateGradientDevice::Report solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
@@ -90,6 +99,7 @@ class Gradients {
   const Device& device_;
   Precision precision_;
   Solves solves_;
+  Elements elements_;
   std::unique_ptr<Program> program_;
   int nodes_ = 0;
   std::vector<std::int32_t> row_start_, column_;  // the pattern on the device

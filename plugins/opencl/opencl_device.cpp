@@ -85,6 +85,43 @@ bool OpenClDevice::set_matrix(const NodeMatrixView& A, std::span<const char> fix
   });
 }
 
+bool OpenClDevice::set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                                std::span<const char> fixed) {
+  return attempt([&] {
+    gradients_->set_elements(tets, pattern, fixed);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::set_viscosity(const VecX& moved, Real share) {
+  return attempt([&] {
+    gradients_->set_viscosity(moved, share);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                            std::vector<Mat3>& rotations) {
+  return attempt([&] {
+    gradients_->assemble(moved, scale, diagonal, force, rotations);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::element_force(const VecX& moved, VecX& force) {
+  return attempt([&] {
+    gradients_->element_force(moved, force);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::read_matrix(std::span<Real> values) {
+  return attempt([&] {
+    gradients_->read_matrix(values);
+    return std::string();
+  });
+}
+
 bool OpenClDevice::set_factor(const SupernodalFactor& factor) {
   return attempt([&] {
     gradients_->set_factor(factor);

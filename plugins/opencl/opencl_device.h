@@ -33,6 +33,13 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
 
   bool claim() override { return !std::exchange(claimed_, true); }
   bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) override;
+  bool set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                    std::span<const char> fixed) override;
+  bool set_viscosity(const VecX& moved, Real share) override;
+  bool assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                std::vector<Mat3>& rotations) override;
+  bool element_force(const VecX& moved, VecX& force) override;
+  bool read_matrix(std::span<Real> values) override;
   bool set_factor(const SupernodalFactor& factor) override;
   bool set_turns(std::span<const Mat3> turns) override;
   bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,

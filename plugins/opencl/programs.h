@@ -8,6 +8,7 @@ extern const char* const sweep;
 extern const char* const solves;
 extern const char* const many_solves;
 extern const char* const gradients;
+extern const char* const elements;
 extern const char* const batch;
 extern const char* const batch_solve;
 

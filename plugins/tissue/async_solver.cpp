@@ -80,10 +80,8 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
 bool AsyncSolver::give_to_device(bool same_matrix) {
   const auto give = [&] {
     if (!current_) return false;
-    const NodePattern& pattern = *pattern_;
-    const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(), A_->values()};
-    const bool is_there = same_matrix && on_device_;
-    if (!is_there && !device_->set_matrix(view, fixed_)) return false;
+    const bool is_there = A_->is_there() || (same_matrix && on_device_);
+    if (!is_there && !device_->set_matrix(view_of(*A_), fixed_)) return false;
     if (device_factor_ != current_->factor.get() || device_snapshot_ != current_->snapshot->step) {
       SupernodalFactor factor;
       if (!current_->factor->supernodes(factor)) {

@@ -57,6 +57,7 @@ class AsyncSolver : public TissueSolver {
   void renew() override { renew_ = true; }
   void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
   void solve_as_compliance(Eigen::Ref<MatX> columns) override;
+  ConjugateGradientDevice* device() override { return device_; }
   Index nodes() const override { return pattern_->nodes(); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];

@@ -7,6 +7,10 @@ namespace sutura::tissue {
 
 void NodeMatrix::archive(Archive& a) {
   const std::size_t size = values_.size();
+  if (a.restoring())
+    is_here_ = !(is_there_ = false);
+  else
+    bring();
   a("values", values_);
   if (values_.size() == size) return;
   values_.assign(size, 0);
