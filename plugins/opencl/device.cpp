@@ -244,7 +244,6 @@ void Buffer::read_later(void* data, std::size_t bytes, Event& read) const {
   device_->check(clEnqueueReadBuffer(device_->queue(), memory_, CL_FALSE, 0, bytes, data, 0,
                                      nullptr, &read.event_),
                  "reading from its memory");
-  device_->check(clFlush(device_->queue()), "sending it what to do");
 }
 
 Pinned::Pinned(const Device& device, std::size_t bytes) : device_(&device) {
@@ -264,7 +263,9 @@ Pinned::~Pinned() {
 }
 
 void Event::wait(const Device& device) {
-  if (event_ != nullptr) device.check(clWaitForEvents(1, &event_), "waiting for it");
+  if (event_ == nullptr) return;
+  device.check(clFlush(device.queue()), "sending it what to do");
+  device.check(clWaitForEvents(1, &event_), "waiting for it");
 }
 
 void Event::forget() {

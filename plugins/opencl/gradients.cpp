@@ -57,7 +57,7 @@ Gradients::Gradients(const Device& device, Precision precision)
       rz_{Buffer(device), Buffer(device)},
       pq_(device),
       status_(device),
-      statuses_(device, 3 * sizeof(GradientStatus<double>)) {}
+      statuses_(device, 2 * sizeof(GradientStatus<double>)) {}
 
 Gradients::~Gradients() {
   device_.drain();
@@ -196,18 +196,27 @@ void Gradients::product() {
 }
 
 void Gradients::precondition(const Buffer& rz) {
+  begin_preconditioning();
+  finish_preconditioning(rz);
+}
+
+void Gradients::begin_preconditioning() {
   const auto size = static_cast<cl_int>(solves_.size());
   program_->turn_back(static_cast<std::size_t>(size), items, size, row_of_, turns_, r_, factor_b_,
                       status_);
-  solves_.solve(factor_b_, factor_x_, status_);
+  solves_.forward_small(factor_b_, status_);
+}
+
+void Gradients::finish_preconditioning(const Buffer& rz) {
+  solves_.finish(factor_b_, factor_x_, status_);
   program_->turn(groups * items, items, nodes_, position_, turns_, factor_x_, r_, z_, rz, status_);
 }
 
 template <class T>
 GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b,
                                     const Eigen::Ref<const VecX>& x) {
-  auto* status = new (statuses_.data()) GradientStatus<T>[3];
-  status_.write(&status[2], sizeof(status[2]));
+  auto* status = new (statuses_.data()) GradientStatus<T>[2];
+  status_.write(&status[1], sizeof(status[1]));
   const auto rows = static_cast<std::size_t>(3 * nodes_);
   write_as<T>(b_, b.data(), rows);
   write_as<T>(x_, x.data(), rows);
@@ -238,23 +247,21 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
     p.look(items, items, iteration, static_cast<T>(tolerance), most, size2_, residual2_, status_);
   };
   look(0);
-  // One iteration ahead of what is known of the last: the device never waits. Once it is done, the
-  // kernels of the one too many return at once.
-  Event known[2];
-  status_.read_later(&status[0], sizeof(status[0]), known[0]);
-  int last = 0;
-  for (int k = 1; k <= most; ++k) {
-    precondition(rz_[k & 1]);
+  // The residual is on its way while the first kernels of the next iteration run already: the device
+  // does not wait. Once it is done, they return at once.
+  Event known;
+  for (int k = 1; k <= most + 1; ++k) {
+    status_.read_later(&status[0], sizeof(status[0]), known);
+    begin_preconditioning();
+    known.wait(device_);
+    if (status[0].done) break;
+    finish_preconditioning(rz_[k & 1]);
     p.direction(all, items, k == 1 ? 1 : 0, static_cast<cl_int>(rows), rz_[k & 1], rz_[(k & 1) ^ 1],
                 z_, p_, status_);
     product();
     p.advance(all, items, static_cast<cl_int>(rows), rz_[k & 1], pq_, p_, q_, x_, r_, residual2_,
               status_);
     look(k);
-    status_.read_later(&status[k & 1], sizeof(status[0]), known[k & 1]);
-    known[(k & 1) ^ 1].wait(device_);
-    last = k;
-    if (status[(k & 1) ^ 1].done) break;
   }
   if constexpr (std::is_same_v<T, Real>) {
     x_.read(x.data(), rows * sizeof(T));
@@ -263,7 +270,7 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
     x_.read(rounded_);
     for (std::size_t i = 0; i < rows; ++i) x[static_cast<Index>(i)] = rounded_[i];
   }
-  const GradientStatus<T>& end = status[last & 1];
+  const GradientStatus<T>& end = status[0];
   ConjugateGradientDevice::Report report;
   report.iterations = end.iterations;
   report.residual =

@@ -21,14 +21,22 @@ class Solves {
   Index size() const { return size_; }
   const std::vector<std::int32_t>& row_of() const { return row_of_; }
   /// x <- (L L^T)^-1 b, unless *done.
-  void solve(const Buffer& b, const Buffer& x, const Buffer& done);
+  void solve(const Buffer& b, const Buffer& x, const Buffer& done) {
+    forward_small(b, done);
+    finish(b, x, done);
+  }
+  /// The same in two parts: the small subtrees on the way forward, and the rest.
+  void forward_small(const Buffer& b, const Buffer& done);
+  void finish(const Buffer& b, const Buffer& x, const Buffer& done);
   static constexpr int columns = 32;  ///< as in many_solves.cl
   /// entries <- those of (L L^T)^-1 at `rows` of at most `columns` columns, by columns. Positions
   /// in the factor; -1: zero. Waits.
   void entries_of_inverse(const std::vector<std::int32_t>& rows,
                           const std::vector<std::int32_t>& of_columns, Eigen::Ref<MatX> entries);
   const Schedule& schedule() const { return schedule_; }
-  std::size_t launches() const { return 2 + 4 * schedule_.levels.size(); }
+  std::size_t launches() const {
+    return 2 * (schedule_.tiers.size() + schedule_.levels.size());
+  }
 
  private:
   struct Program;
@@ -42,8 +50,9 @@ class Solves {
   std::vector<std::int32_t> first_column_, row_, row_of_;  // the pattern that `schedule_` is for
   std::unique_ptr<Program> program_;
   std::unique_ptr<Many> many_;
-  Buffer panels_, gather_start_, gather_, rows_, subtree_start_, subtree_, row_tasks_, below_tasks_,
-      column_tasks_, value_, inverse_, below_, y_;
+  Buffer panels_, gather_start_, gather_, rows_, subtree_start_, subtree_, row_tasks_, column_tasks_,
+      large_row_tasks_, large_column_tasks_, triangle_tasks_, multiply_tasks_, value_, z_, below_,
+      y_;
 };
 
 /// As in gradients.cl.
@@ -95,6 +104,8 @@ class Gradients {
   void set_pattern(const NodeMatrixView& A, std::span<const char> fixed);
   /// z <- P^-1 r, rz <- r . z.
   void precondition(const Buffer& rz);
+  void begin_preconditioning();
+  void finish_preconditioning(const Buffer& rz);
 
   const Device& device_;
   Precision precision_;
@@ -108,7 +119,7 @@ class Gradients {
   Buffer full_start_, entries_, columns_, is_fixed_, values_, turns_, row_of_, position_;
   Buffer b_, x_, r_, z_, p_, q_, factor_b_, factor_x_, size2_, residual2_, rz_[2], pq_, status_;
   std::vector<float> rounded_;
-  Pinned statuses_;  // three: the last two, and how an iteration begins
+  Pinned statuses_;  // two: the last one, and how an iteration begins
 };
 
 }  // namespace sutura::opencl

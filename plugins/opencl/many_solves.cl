@@ -26,7 +26,7 @@ void add_rows(int row, int rows, int count, int stride, global const number* L,
 }
 
 void many_rows(const Panel p, int tile, global const int* gather_start, global const int* gather,
-               global const number* inverse, global const real* b, global const real* below,
+               global const number* z, global const real* b, global const real* below,
                global real* y, local real* from) {
   const int item = get_local_id(0), row = tile * 64 + item % 64, first = item / 64 * 8;
   const int end = min(p.width, tile * 64 + 64);
@@ -36,7 +36,7 @@ void many_rows(const Panel p, int tile, global const int* gather_start, global c
     for (int e = item; e < count * COLUMNS; e += ITEMS)
       from[e] = at_front_of(p, begin + e / COLUMNS, e % COLUMNS, gather_start, gather, b, below);
     barrier(CLK_LOCAL_MEM_FENCE);
-    add_rows(row, p.width, count, p.width, inverse + p.inverse + (size_t)begin * p.width, from,
+    add_rows(row, p.width, count, p.height, z + p.z + (size_t)begin * p.height, from,
              sum);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
@@ -45,18 +45,17 @@ void many_rows(const Panel p, int tile, global const int* gather_start, global c
 }
 
 void many_below(const Panel p, int tile, global const int* gather_start, global const int* gather,
-                global const number* value, global const real* b, global real* below,
-                global const real* y, local real* from) {
+                global const number* z, global const real* b, global real* below,
+                local real* from) {
   const int item = get_local_id(0), rows = p.height - p.width, row = tile * 64 + item % 64,
             first = item / 64 * 8;
   real sum[8] = {0, 0, 0, 0, 0, 0, 0, 0};
   for (int begin = 0; begin < p.width; begin += CHUNK) {
     const int count = min(CHUNK, p.width - begin);
     for (int e = item; e < count * COLUMNS; e += ITEMS)
-      from[e] = y[(p.first + begin) * COLUMNS + e];
+      from[e] = at_front_of(p, begin + e / COLUMNS, e % COLUMNS, gather_start, gather, b, below);
     barrier(CLK_LOCAL_MEM_FENCE);
-    add_rows(row, rows, count, p.stride, value + p.value + p.width + (size_t)begin * p.stride,
-             from, sum);
+    add_rows(row, rows, count, p.height, z + p.z + p.width + (size_t)begin * p.height, from, sum);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
   if (row >= rows) return;
@@ -91,100 +90,72 @@ void add_columns(int columns, int rows, int stride, global const number* L, glob
   }
 }
 
-void many_back_below(const Panel p, int tile, global const int* rows, global const number* value,
-                     global real* y, global const real* x, local real* from, local number* block) {
-  const int columns = min(64, p.width - tile * 64), column = get_local_id(0) % 64,
-            first = get_local_id(0) / 64 * 8;
-  real sum[8] = {0, 0, 0, 0, 0, 0, 0, 0};
-  add_columns(columns, p.height - p.width, p.stride,
-              value + p.value + p.width + (size_t)(tile * 64) * p.stride,
-              rows + p.row + p.width, x, from, block, sum);
-  if (column < columns)
-    for (int k = 0; k < 8; ++k)
-      y[(p.first + tile * 64 + column) * COLUMNS + first + k] -= sum[k];
-}
-
-void many_back_columns(const Panel p, int tile, global const number* inverse,
-                       global const real* y, global real* x, local real* from,
-                       local number* block) {
+void many_back(const Panel p, int tile, global const int* rows, global const number* z,
+               global const real* y, global real* x, local real* from, local number* block) {
   const int begin = tile * 64, columns = min(64, p.width - begin), column = get_local_id(0) % 64,
             first = get_local_id(0) / 64 * 8;
-  real sum[8] = {0, 0, 0, 0, 0, 0, 0, 0};
-  add_columns(columns, p.width - begin, p.width,
-              inverse + p.inverse + begin + (size_t)begin * p.width, 0,
-              y + (p.first + begin) * COLUMNS, from, block, sum);
+  global const number* Z = z + p.z + (size_t)begin * p.height;
+  real sum[8] = {0, 0, 0, 0, 0, 0, 0, 0}, below[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+  add_columns(columns, p.width - begin, p.height, Z + begin, 0, y + (p.first + begin) * COLUMNS,
+              from, block, sum);
+  add_columns(columns, p.height - p.width, p.height, Z + p.width, rows + p.row + p.width, x, from,
+              block, below);
   if (column < columns)
-    for (int k = 0; k < 8; ++k) x[(p.first + begin + column) * COLUMNS + first + k] = sum[k];
+    for (int k = 0; k < 8; ++k)
+      x[(p.first + begin + column) * COLUMNS + first + k] = sum[k] - below[k];
 }
 
 // The kernels: one task per group, as in solves.cl.
 
 GROUP solve_many_rows(int first_task, global const int2* tasks, global const Panel* panels,
                       global const int* gather_start, global const int* gather,
-                      global const number* inverse, global const real* b, global const real* below,
+                      global const number* z, global const real* b, global real* below,
                       global real* y) {
   local real from[CHUNK * COLUMNS];
   const int2 task = tasks[first_task + get_group_id(0)];
-  many_rows(panels[task.x], task.y, gather_start, gather, inverse, b, below, y, from);
+  const Panel p = panels[task.x];
+  const int tiles = (p.width + 63) / 64;
+  if (task.y < tiles)
+    many_rows(p, task.y, gather_start, gather, z, b, below, y, from);
+  else
+    many_below(p, task.y - tiles, gather_start, gather, z, b, below, from);
 }
 
-GROUP solve_many_below(int first_task, global const int2* tasks, global const Panel* panels,
-                       global const int* gather_start, global const int* gather,
-                       global const number* value, global const real* b, global real* below,
-                       global const real* y) {
-  local real from[CHUNK * COLUMNS];
-  const int2 task = tasks[first_task + get_group_id(0)];
-  many_below(panels[task.x], task.y, gather_start, gather, value, b, below, y, from);
-}
-
-GROUP solve_many_back_below(int first_task, global const int2* tasks, global const Panel* panels,
-                            global const int* rows, global const number* value, global real* y,
-                            global const real* x) {
+GROUP solve_many_back(int first_task, global const int2* tasks, global const Panel* panels,
+                      global const int* rows, global const number* z, global const real* y,
+                      global real* x) {
   local real from[CHUNK * COLUMNS];
   local number block[CHUNK * 65];
   const int2 task = tasks[first_task + get_group_id(0)];
-  many_back_below(panels[task.x], task.y, rows, value, y, x, from, block);
+  many_back(panels[task.x], task.y, rows, z, y, x, from, block);
 }
 
-GROUP solve_many_back_columns(int first_task, global const int2* tasks, global const Panel* panels,
-                              global const number* inverse, global const real* y,
-                              global real* x) {
-  local real from[CHUNK * COLUMNS];
-  local number block[CHUNK * 65];
-  const int2 task = tasks[first_task + get_group_id(0)];
-  many_back_columns(panels[task.x], task.y, inverse, y, x, from, block);
-}
-
-GROUP solve_many_subtrees(global const int* start, global const int* subtree,
+GROUP solve_many_subtrees(int first_tree, global const int* start, global const int* subtree,
                           global const Panel* panels, global const int* gather_start,
-                          global const int* gather, global const number* value,
-                          global const number* inverse, global const real* b, global real* below,
-                          global real* y) {
+                          global const int* gather, global const number* z, global const real* b,
+                          global real* below, global real* y) {
   local real from[CHUNK * COLUMNS];
-  for (int n = start[get_group_id(0)]; n < start[get_group_id(0) + 1]; ++n) {
+  const int tree = first_tree + get_group_id(0);
+  for (int n = start[tree]; n < start[tree + 1]; ++n) {
     const Panel p = panels[subtree[n]];
     for (int tile = 0; tile * 64 < p.width; ++tile)
-      many_rows(p, tile, gather_start, gather, inverse, b, below, y, from);
-    barrier(CLK_GLOBAL_MEM_FENCE);
+      many_rows(p, tile, gather_start, gather, z, b, below, y, from);
     for (int tile = 0; tile * 64 < p.height - p.width; ++tile)
-      many_below(p, tile, gather_start, gather, value, b, below, y, from);
+      many_below(p, tile, gather_start, gather, z, b, below, from);
     barrier(CLK_GLOBAL_MEM_FENCE);
   }
 }
 
-GROUP solve_many_back_subtrees(global const int* start, global const int* subtree,
+GROUP solve_many_back_subtrees(int first_tree, global const int* start, global const int* subtree,
                                global const Panel* panels, global const int* rows,
-                               global const number* value, global const number* inverse,
-                               global real* y, global real* x) {
+                               global const number* z, global const real* y, global real* x) {
   local real from[CHUNK * COLUMNS];
   local number block[CHUNK * 65];
-  for (int n = start[get_group_id(0) + 1] - 1; n >= start[get_group_id(0)]; --n) {
+  const int tree = first_tree + get_group_id(0);
+  for (int n = start[tree + 1] - 1; n >= start[tree]; --n) {
     const Panel p = panels[subtree[n]];
     for (int tile = 0; tile * 64 < p.width; ++tile)
-      many_back_below(p, tile, rows, value, y, x, from, block);
-    barrier(CLK_GLOBAL_MEM_FENCE);
-    for (int tile = 0; tile * 64 < p.width; ++tile)
-      many_back_columns(p, tile, inverse, y, x, from, block);
+      many_back(p, tile, rows, z, y, x, from, block);
     barrier(CLK_GLOBAL_MEM_FENCE);
   }
 }

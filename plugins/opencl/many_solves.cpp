@@ -16,9 +16,7 @@ Solves::Many::Many(const Device& device, Precision precision, bool rough)
     : rough(rough),
       program(build_solves(device, precision, rough, programs::many_solves)),
       rows(device, program, "solve_many_rows"),
-      below(device, program, "solve_many_below"),
-      back_below(device, program, "solve_many_back_below"),
-      back_columns(device, program, "solve_many_back_columns"),
+      back(device, program, "solve_many_back"),
       subtrees(device, program, "solve_many_subtrees"),
       back_subtrees(device, program, "solve_many_back_subtrees"),
       units(device, program, "many_units"),
@@ -52,25 +50,24 @@ void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
   m.units(static_cast<std::size_t>(size_) * columns, items, static_cast<cl_int>(size_), m.positions,
           m.b);
 
-  const std::size_t trees = schedule_.subtree_start.size() - 1;
-  const auto groups = [](std::int32_t tasks) { return static_cast<std::size_t>(tasks) * items; };
-  if (trees > 0)
-    m.subtrees(trees * items, items, subtree_start_, subtree_, panels_, gather_start_, gather_,
-               value_, inverse_, m.b, m.left, m.y);
-  for (const Schedule::Level& l : schedule_.levels) {
-    m.rows(groups(l.rows), items, l.first_rows, row_tasks_, panels_, gather_start_, gather_,
-           inverse_, m.b, m.left, m.y);
-    m.below(groups(l.below), items, l.first_below, below_tasks_, panels_, gather_start_, gather_,
-            value_, m.b, m.left, m.y);
-  }
+  const auto groups = [](const Schedule::Range& r) {
+    return static_cast<std::size_t>(r.count) * items;
+  };
+  for (const Schedule::Range& t : schedule_.tiers)
+    m.subtrees(groups(t), items, t.first, subtree_start_, subtree_, panels_, gather_start_, gather_,
+               z_, m.b, m.left, m.y);
+  for (const Schedule::Level& l : schedule_.levels)
+    m.rows(groups(l.large_rows), items, l.large_rows.first, large_row_tasks_, panels_,
+           gather_start_, gather_, z_, m.b, m.left, m.y);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
-    const Schedule::Level& l = schedule_.levels[n];
-    m.back_below(groups(l.rows), items, l.first_rows, row_tasks_, panels_, rows_, value_, m.y, m.x);
-    m.back_columns(groups(l.rows), items, l.first_rows, row_tasks_, panels_, inverse_, m.y, m.x);
+    const Schedule::Range& l = schedule_.levels[n].large_columns;
+    m.back(groups(l), items, l.first, large_column_tasks_, panels_, rows_, z_, m.y, m.x);
   }
-  if (trees > 0)
-    m.back_subtrees(trees * items, items, subtree_start_, subtree_, panels_, rows_, value_,
-                    inverse_, m.y, m.x);
+  for (std::size_t n = schedule_.tiers.size(); n-- > 0;) {
+    const Schedule::Range& t = schedule_.tiers[n];
+    m.back_subtrees(groups(t), items, t.first, subtree_start_, subtree_, panels_, rows_, z_, m.y,
+                    m.x);
+  }
 
   const std::size_t count = rows.size() * of_columns.size();
   m.picked.reserve(rows.size() * width);

@@ -1,5 +1,6 @@
 // Solving with a supernodal factor: upload, schedule, launches.
 #include <algorithm>
+#include <array>
 
 #include "gradients.h"
 #include "solves_program.h"
@@ -8,7 +9,10 @@ namespace sutura::opencl {
 namespace {
 
 constexpr std::size_t items = 256;
-constexpr std::int64_t least_subtree = 20000, subtrees = 600;  // so that all units have some
+/// Subtrees of the tiers: shares of the factor, and the least number of entries. So that all units
+/// have some, and that a group does not go through many panels.
+constexpr std::array<std::int64_t, 3> shares{9600, 2400, 600};
+constexpr std::array<std::int64_t, 3> least{1500, 6000, 20000};
 
 }  // namespace
 
@@ -21,11 +25,11 @@ cl_program build_solves(const Device& device, Precision precision, bool rough, c
 Solves::Program::Program(const Device& device, Precision precision, bool rough)
     : rough(rough),
       program(build_solves(device, precision, rough, "")),
-      invert(device, program, "invert"),
-      rows(device, program, "solve_rows"),
-      below(device, program, "solve_below"),
-      back_below(device, program, "solve_back_below"),
-      back_columns(device, program, "solve_back_columns"),
+      invert_tiles(device, program, "invert_tiles"),
+      invert_columns(device, program, "invert_columns"),
+      multiply_below(device, program, "multiply_below"),
+      forward(device, program, "solve_forward"),
+      back(device, program, "solve_back"),
       subtrees(device, program, "solve_subtrees"),
       back_subtrees(device, program, "solve_back_subtrees") {}
 
@@ -43,10 +47,13 @@ Solves::Solves(const Device& device, Precision precision)
       subtree_start_(device),
       subtree_(device),
       row_tasks_(device),
-      below_tasks_(device),
       column_tasks_(device),
+      large_row_tasks_(device),
+      large_column_tasks_(device),
+      triangle_tasks_(device),
+      multiply_tasks_(device),
       value_(device),
-      inverse_(device),
+      z_(device),
       below_(device),
       y_(device) {}
 
@@ -67,16 +74,21 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     row_.assign(factor.row.begin(), factor.row.end());
     row_of_ = factor.row_of;
     const auto values = static_cast<std::int64_t>(factor.value.size());
-    schedule_ = make_schedule(factor, std::max(least_subtree, values / subtrees));
+    std::array<std::int64_t, shares.size()> tiers{};
+    for (std::size_t t = 0; t < tiers.size(); ++t) tiers[t] = std::max(least[t], values / shares[t]);
+    schedule_ = make_schedule(factor, tiers);
     panels_.write(schedule_.panels);
     gather_start_.write(schedule_.gather_start);
     gather_.write(schedule_.gather);
     rows_.write(row_);
     subtree_start_.write(schedule_.subtree_start);
     subtree_.write(schedule_.subtree);
-    row_tasks_.write(schedule_.row_tasks);
-    below_tasks_.write(schedule_.below_tasks);
-    column_tasks_.write(schedule_.column_tasks);
+    row_tasks_.write(schedule_.rows);
+    column_tasks_.write(schedule_.columns);
+    large_row_tasks_.write(schedule_.large_rows);
+    large_column_tasks_.write(schedule_.large_columns);
+    triangle_tasks_.write(schedule_.triangles);
+    multiply_tasks_.write(schedule_.below);
   }
   const std::size_t number = rough ? 4 : 8, real = has_double_sums(precision_) ? 8 : 4;
   std::vector<float> rounded;
@@ -88,37 +100,40 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     rounded.assign(factor.value.begin(), factor.value.end());
     value_.write(rounded);
   }
-  inverse_.reserve(static_cast<std::size_t>(schedule_.inverse_size) * number);
+  z_.reserve(static_cast<std::size_t>(schedule_.z_size) * number);
   below_.reserve((static_cast<std::size_t>(schedule_.below_size) + 2) * real);
   y_.reserve(static_cast<std::size_t>(size_) * real);
-  if (!schedule_.panels.empty())
-    program_->invert(schedule_.panels.size() * items, items, panels_, value_, inverse_);
+  Program& p = *program_;
+  p.invert_tiles(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
+  p.invert_columns(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
+  p.multiply_below(schedule_.below.size() * items, items, multiply_tasks_, panels_, value_, z_);
   device_.finish();  // the factor may change from now on
 }
 
-void Solves::solve(const Buffer& b, const Buffer& x, const Buffer& done) {
+void Solves::forward_small(const Buffer& b, const Buffer& done) {
+  for (const Schedule::Range& t : schedule_.tiers)
+    program_->subtrees(static_cast<std::size_t>(t.count) * items, items, t.first, subtree_start_,
+                       subtree_, panels_, gather_start_, gather_, z_, b, below_, y_, done);
+}
+
+void Solves::finish(const Buffer& b, const Buffer& x, const Buffer& done) {
   Program& p = *program_;
-  const std::size_t trees = schedule_.subtree_start.size() - 1;
-  const auto groups = [](std::int32_t tasks) { return static_cast<std::size_t>(tasks) * items; };
-  if (trees > 0)
-    p.subtrees(trees * items, items, subtree_start_, subtree_, panels_, gather_start_, gather_,
-               value_, inverse_, b, below_, y_, done);
-  for (const Schedule::Level& l : schedule_.levels) {
-    p.rows(groups(l.rows), items, l.first_rows, row_tasks_, panels_, gather_start_, gather_,
-           inverse_, b, below_, y_, done);
-    p.below(groups(l.below), items, l.first_below, below_tasks_, panels_, gather_start_, gather_,
-            value_, b, below_, y_, done);
-  }
+  const auto groups = [](const Schedule::Range& r) {
+    return static_cast<std::size_t>(r.count) * items;
+  };
+  for (const Schedule::Level& l : schedule_.levels)
+    p.forward(groups(l.rows), items, l.rows.first, row_tasks_, panels_, gather_start_, gather_, z_,
+              b, below_, y_, done);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
     const Schedule::Level& l = schedule_.levels[n];
-    p.back_below(groups(l.columns), items, l.first_columns, column_tasks_, panels_, rows_, value_,
-                 y_, x, done);
-    p.back_columns(groups(l.columns), items, l.first_columns, column_tasks_, panels_, inverse_, y_,
-                   x, done);
+    p.back(groups(l.columns), items, l.columns.first, column_tasks_, panels_, rows_, z_, y_, x,
+           done);
   }
-  if (trees > 0)
-    p.back_subtrees(trees * items, items, subtree_start_, subtree_, panels_, rows_, value_,
-                    inverse_, y_, x, done);
+  for (std::size_t n = schedule_.tiers.size(); n-- > 0;) {
+    const Schedule::Range& t = schedule_.tiers[n];
+    p.back_subtrees(groups(t), items, t.first, subtree_start_, subtree_, panels_, rows_, z_, y_, x,
+                    done);
+  }
 }
 
 }  // namespace sutura::opencl

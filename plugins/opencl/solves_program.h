@@ -14,7 +14,7 @@ struct Solves::Program {
   ~Program();
   bool rough;
   cl_program program;
-  Kernel invert, rows, below, back_below, back_columns, subtrees, back_subtrees;
+  Kernel invert_tiles, invert_columns, multiply_below, forward, back, subtrees, back_subtrees;
 };
 
 struct Solves::Many {
@@ -22,7 +22,7 @@ struct Solves::Many {
   ~Many();
   bool rough;
   cl_program program;
-  Kernel rows, below, back_below, back_columns, subtrees, back_subtrees, units, pick;
+  Kernel rows, back, subtrees, back_subtrees, units, pick;
   Buffer b, left, y, x, positions, rows_wanted, picked;
   std::vector<std::int32_t> wanted;
   std::vector<double> doubles;

@@ -98,18 +98,15 @@ std::map<std::string, double> bytes_of(const Gradients& gradients,
   const Schedule& s = gradients.solves().schedule();
   std::vector<char> in_subtree(s.panels.size(), 0);
   for (const std::int32_t n : s.subtree) in_subtree[static_cast<std::size_t>(n)] = 1;
-  double inverse = 0, below = 0, subtrees = 0;  // entries of L
+  double levels = 0, subtrees = 0;  // entries of L
   for (std::size_t n = 0; n < s.panels.size(); ++n) {
     const double w = s.panels[n].width, h = s.panels[n].height;
-    (in_subtree[n] ? subtrees : inverse) += w * (w + 1) / 2;
-    (in_subtree[n] ? subtrees : below) += w * (h - w);
+    (in_subtree[n] ? subtrees : levels) += w * h - w * (w - 1) / 2;
   }
   const auto nodes = static_cast<double>(pattern.nodes()),
              slots = static_cast<double>(pattern.slots());
-  return {{"solve_rows", 4 * inverse},
-          {"solve_back_columns", 4 * inverse},
-          {"solve_below", 4 * below},
-          {"solve_back_below", 4 * below},
+  return {{"solve_forward", 4 * levels},
+          {"solve_back", 4 * levels},
           {"solve_subtrees", 4 * subtrees},
           {"solve_back_subtrees", 4 * subtrees},
           {"product", slots * 88 + nodes * 48},

@@ -18,10 +18,10 @@ using tissue::NodeMatrix;
 /// Four layers of cells of 4 mm, two materials.
 struct Block {
   Block()
-      : mesh(tissue::test::kuhn_block({5, 4, 4}, 0.004 * Vec3(5, 4, 4))),
+      : mesh(test::kuhn_block({5, 4, 4}, 0.004 * Vec3(5, 4, 4))),
         model(mesh.points, mesh.tets),
         A(static_cast<Index>(mesh.points.size()), model.pairs()),
-        rest(tissue::test::stacked(mesh.points)) {
+        rest(test::stacked(mesh.points)) {
     model.bind(*A.pattern());
     std::vector<tissue::Material> materials;
     for (std::size_t e = 0; e < mesh.tets.size(); ++e)
@@ -31,7 +31,7 @@ struct Block {
   NodeMatrixView pattern() const {
     return {A.nodes(), A.pattern()->row_start(), A.pattern()->column(), nullptr};
   }
-  MeshData mesh;
+  tissue::MeshData mesh;
   CorotationalT4 model;
   NodeMatrix A;
   VecX rest;
