@@ -54,6 +54,11 @@ class GradientsAlone : public ConjugateGradientDevice {
     gradients_.entries_of_inverse(rows, columns, entries);
     return true;
   }
+  bool add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                      Eigen::Ref<MatX> W) override {
+    gradients_.add_compliance(known, rows, scale, W);
+    return true;
+  }
   const std::string& why_not() const override { return why_not_; }
 
  private:

@@ -64,6 +64,21 @@ struct TetElementsView {
   std::span<const Real> moduli;        ///< two per tet: mu and lambda, times volume (N m)
 };
 
+/// Compliance between the unknowns of known nodes, three per node, symmetric, by columns.
+struct KnownCompliance {
+  Index id = -1;  ///< the same as long as columns are only added; -1: never the same
+  const Real* C = nullptr;
+  Index size = 0, stride = 0;
+};
+
+/// Rows of three numbers per node that they touch.
+struct SparseRows {
+  std::span<const std::int32_t> first;  ///< entries of row r: first[r] .. first[r + 1]
+  std::span<const std::int32_t> place;  ///< per entry: which known node; -1: a fixed one
+  std::span<const Real> value;          ///< three per entry
+  std::span<const Index> row;           ///< of W
+};
+
 /// Conjugate gradients on a device: A of the step, preconditioned by an older factor turned with
 /// the material, P^-1 = Q (L L^T)^-1 Q^T.
 class ConjugateGradientDevice {
@@ -107,6 +122,9 @@ class ConjugateGradientDevice {
   /// was sent.
   virtual bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                                   Eigen::Ref<MatX> entries) = 0;
+  /// W += scale H C H^T. W is left as it was where the CPU shall do it.
+  virtual bool add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                              Eigen::Ref<MatX> W) = 0;
   virtual const std::string& why_not() const = 0;
 };
 

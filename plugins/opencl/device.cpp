@@ -232,6 +232,12 @@ void Buffer::write(const void* data, std::size_t bytes) {
                  "writing to its memory");
 }
 
+void Buffer::write_at(std::size_t offset, const void* data, std::size_t bytes) {
+  device_->check(clEnqueueWriteBuffer(device_->queue(), memory_, CL_FALSE, offset, bytes, data, 0,
+                                      nullptr, nullptr),
+                 "writing to its memory");
+}
+
 void Buffer::read(void* data, std::size_t bytes, bool wait) const {
   if (bytes == 0) return;
   device_->check(clEnqueueReadBuffer(device_->queue(), memory_, wait ? CL_TRUE : CL_FALSE, 0, bytes,

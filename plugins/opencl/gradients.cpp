@@ -36,6 +36,7 @@ Gradients::Gradients(const Device& device, Precision precision)
       precision_(precision),
       solves_(device, precision),
       elements_(device, precision),
+      contacts_(device, precision),
       full_start_(device),
       entries_(device),
       columns_(device),

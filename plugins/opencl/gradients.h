@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "contact_compliance.h"
 #include "device.h"
 #include "elements.h"
 #include "panels.h"
@@ -83,6 +84,10 @@ class Gradients {
   /// As ConjugateGradientDevice has it.
   void entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                           Eigen::Ref<MatX> entries);
+  void add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                      Eigen::Ref<MatX> W) {
+    contacts_.add(known, rows, scale, W);
+  }
   /// For benchmarks, after `begin`: one product with A, one application of P^-1; enqueued, not
   /// waited for.
   void begin(const Eigen::Ref<const VecX>& b);
@@ -111,6 +116,7 @@ class Gradients {
   Precision precision_;
   Solves solves_;
   Elements elements_;
+  ContactCompliance contacts_;
   std::unique_ptr<Program> program_;
   int nodes_ = 0;
   std::vector<std::int32_t> row_start_, column_;  // the pattern on the device

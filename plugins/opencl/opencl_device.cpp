@@ -152,4 +152,12 @@ bool OpenClDevice::entries_of_inverse(std::span<const Index> rows, std::span<con
   });
 }
 
+bool OpenClDevice::add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                                  Eigen::Ref<MatX> W) {
+  return attempt([&] {
+    gradients_->add_compliance(known, rows, scale, W);
+    return std::string();
+  });
+}
+
 }  // namespace sutura::opencl

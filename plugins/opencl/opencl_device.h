@@ -47,6 +47,9 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
   bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                           Eigen::Ref<MatX> entries) override;
 
+  bool add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                      Eigen::Ref<MatX> W) override;
+
   const std::string& why_not() const override { return why_not_; }
   /// The device, null where there is none. For tests, which lose it.
   Device* opened() { return device_.get(); }

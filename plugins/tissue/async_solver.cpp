@@ -194,6 +194,7 @@ void AsyncSolver::adopt(std::unique_ptr<SnapshotFactor> fresh) {
   }
   if (current_) spare_ = std::move(current_);
   current_ = std::move(fresh);
+  ++compliance_id_;
   report_.adopted_at = step_;
   adoptions_.push_back({step_, current_->snapshot->step});
 }
@@ -296,6 +297,17 @@ void AsyncSolver::entries_of_inverse(std::span<const Index> rows, std::span<cons
 
 NodeCompliance AsyncSolver::compliance() const {
   return current_ ? current_->compliance.view(warped_.turns()) : NodeCompliance{};
+}
+
+bool AsyncSolver::add_on_device(const SparseRows& rows, Real scale, Eigen::Ref<MatX> W) {
+  if (!on_device_ || !current_) return false;
+  const NodeCompliance::Matrix C = compliance().C;
+  if (device_->add_compliance({compliance_id_, C.data(), C.rows(), C.outerStride()}, rows, scale,
+                              W))
+    return true;
+  report_.complain(device_->why_not());
+  on_device_ = false;
+  return false;
 }
 
 }  // namespace sutura::tissue

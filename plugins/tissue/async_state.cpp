@@ -115,6 +115,7 @@ void AsyncSolver::archive(Archive& a) {
   };
   if (in_use) {
     current_ = job_of(std::move(in_use));
+    ++compliance_id_;
     current_->factorise(plan_);
     if (!current_->ok) a.fail("the factor in use cannot be made again");
     current_->compliance.learn_again(std::move(learnt));

@@ -71,6 +71,10 @@ class TissueSolver {
   /// As of the factor in use, turned to now: exact for a direct solver, approximate (age,
   /// deformation) for an asynchronous one. C is empty if nothing is known.
   virtual NodeCompliance compliance() const = 0;
+  /// W += scale H C H^T on a device, C that of `compliance`; false: here.
+  virtual bool add_on_device(const SparseRows&, Real /*scale*/, Eigen::Ref<MatX> /*W*/) {
+    return false;
+  }
   virtual const TissueSolveReport& report() const = 0;
   /// After `analyse`.
   virtual void archive(Archive& archive) = 0;
