@@ -19,7 +19,33 @@ class DeviceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Sweeps of block Gauss-Seidel on a device.
+/// Blocks that are free on their tangents (solve/subspace_step.h), with the W of the problem that
+/// was loaded: lambda = base + move y,  test^T (W lambda + d_free) + gap + compliance y = 0.
+struct TangentSystem {
+  std::span<const std::int32_t> first;           ///< entries of direction j: first[j] .. first[j + 1]
+  std::span<const std::int32_t> first_of_block;  ///< per direction: the first one of its block
+  std::span<const std::int32_t> row;             ///< per entry
+  std::span<const Real> scale;       ///< per direction: of row and column, so that the diagonal is one
+  std::span<const Real> gap;         ///< per direction
+  std::span<const Real> compliance;  ///< max_block_dim per direction: its column in its block
+  std::span<const Real> base, d_free;  ///< per row of the problem
+  std::span<const Real> move, test;    ///< per entry
+  Real regularisation = 0;             ///< added to the diagonal once it is scaled
+};
+
+struct TangentAnswer {
+  std::vector<Real> numbers;
+  /// y, and the scaled right-hand side, of `count` directions; delta of all rows.
+  std::span<const Real> y(std::size_t count) const { return std::span(numbers).first(count); }
+  std::span<const Real> right(std::size_t count) const {
+    return std::span(numbers).subspan(count, count);
+  }
+  std::span<const Real> delta(std::size_t count) const {
+    return std::span(numbers).subspan(2 * count);
+  }
+};
+
+/// Sweeps of block Gauss-Seidel on a device, and its direct step.
 class SweepDevice {
  public:
   static constexpr const char* interface_name = "SweepDevice";
@@ -31,6 +57,8 @@ class SweepDevice {
   /// problem that was loaded; they are left at the result. False or throws as `load`; the problem
   /// is then as it was.
   virtual bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) = 0;
+  /// False also where the device has too few digits for it.
+  virtual bool solve_tangents(const TangentSystem& system, TangentAnswer& answer) = 0;
   /// Sums are rounded more coarsely than on the CPU: delta is to be made again from lambda.
   virtual bool is_rough() const = 0;
   virtual const std::string& why_not() const = 0;
@@ -114,7 +142,7 @@ class ConjugateGradientDevice {
   virtual bool set_factor(const SupernodalFactor& factor) = 0;
   /// Q, per node.
   virtual bool set_turns(std::span<const Mat3> turns) = 0;
-  /// x <- A^-1 b, from x on.
+  /// x <- A^-1 b, from zero on.
   virtual bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                      Index max_iterations, Report& report) = 0;
   /// entries <- those of the inverse of the matrix that was factorised, between unknowns of the

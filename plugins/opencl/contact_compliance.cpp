@@ -89,7 +89,16 @@ void ContactCompliance::add(const KnownCompliance& known, const SparseRows& rows
   else
     run(static_cast<float>(scale));
   W_.read(result_->data(), bytes);
+  const bool together = rows.row.back() - rows.row.front() + 1 == static_cast<Index>(count);
   const auto add_from = [&](const auto* from) {
+    if (together) {
+      const auto side = static_cast<Index>(count);
+      using Numbers = std::remove_cvref_t<decltype(*from)>;
+      const Eigen::Map<const Eigen::Matrix<Numbers, Eigen::Dynamic, Eigen::Dynamic>> all(from, side,
+                                                                                       side);
+      W.block(rows.row.front(), rows.row.front(), side, side) += all.template cast<Real>();
+      return;
+    }
     for (std::size_t c = 0; c < count; ++c) {
       auto column = W.col(rows.row[c]);
       for (std::size_t r = 0; r < count; ++r) column[rows.row[r]] += from[c * count + r];

@@ -214,24 +214,19 @@ void Gradients::finish_preconditioning(const Buffer& rz) {
 }
 
 template <class T>
-GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b,
-                                    const Eigen::Ref<const VecX>& x) {
+GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b) {
   auto* status = new (statuses_.data()) GradientStatus<T>[2];
   status_.write(&status[1], sizeof(status[1]));
-  const auto rows = static_cast<std::size_t>(3 * nodes_);
-  write_as<T>(b_, b.data(), rows);
-  write_as<T>(x_, x.data(), rows);
-  program_->start(groups * items, items, nodes_, full_start_, entries_, columns_, values_,
-                  is_fixed_, b_, x_, r_, size2_, residual2_);
+  write_as<T>(b_, b.data(), static_cast<std::size_t>(3 * nodes_));
+  program_->start(groups * items, items, nodes_, is_fixed_, b_, x_, r_, size2_, residual2_);
   return status;
 }
 
 void Gradients::begin(const Eigen::Ref<const VecX>& b) {
-  const VecX x = VecX::Zero(b.size());
   if (has_double_sums(precision_))
-    start<double>(b, x);
+    start<double>(b);
   else
-    start<float>(b, x);
+    start<float>(b);
   device_.finish();
 }
 
@@ -241,7 +236,7 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
                                                       Index max_iterations) {
   const auto rows = static_cast<std::size_t>(3 * nodes_);
   const auto most = static_cast<int>(max_iterations);
-  GradientStatus<T>* status = start<T>(b, x);
+  GradientStatus<T>* status = start<T>(b);
   Program& p = *program_;
   constexpr std::size_t all = groups * items;
   const auto look = [&](int iteration) {

@@ -51,7 +51,7 @@ class Solves {
   std::vector<std::int32_t> first_column_, row_, row_of_;  // the pattern that `schedule_` is for
   std::unique_ptr<Program> program_;
   std::unique_ptr<Many> many_;
-  Buffer panels_, gather_start_, gather_, rows_, subtree_start_, subtree_, row_tasks_, column_tasks_,
+  Buffer panels_, gather_, gather_more_, rows_, subtree_start_, subtree_, row_tasks_, column_tasks_,
       large_row_tasks_, large_column_tasks_, triangle_tasks_, multiply_tasks_, value_, z_, below_,
       y_;
 };
@@ -102,9 +102,9 @@ class Gradients {
                                              Real tolerance, Index max_iterations);
   template <class T>
   void write_as(Buffer& to, const Real* from, std::size_t count);
-  /// The status: nothing is done yet. r <- b - A x.
+  /// The status: nothing is done yet. x <- 0, r <- b.
   template <class T>
-  GradientStatus<T>* start(const Eigen::Ref<const VecX>& b, const Eigen::Ref<const VecX>& x);
+  GradientStatus<T>* start(const Eigen::Ref<const VecX>& b);
   void write_reals(Buffer& to, const Real* from, std::size_t count);
   void set_pattern(const NodeMatrixView& A, std::span<const char> fixed);
   /// z <- P^-1 r, rz <- r . z.

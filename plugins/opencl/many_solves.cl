@@ -6,11 +6,14 @@
 #define CHUNK 32
 
 // As at_front, of one column.
-real at_front_of(const Panel p, int r, int column, global const int* gather_start,
-                 global const int* gather, global const real* b, global const real* below) {
+real at_front_of(const Panel p, int r, int column, global const int4* gather,
+                 global const int* more, global const real* b, global const real* below) {
+  const int4 from = gather[p.front + r];
   real sum = r < p.width ? b[(p.first + r) * COLUMNS + column] : 0;
-  for (int e = gather_start[p.front + r]; e < gather_start[p.front + r + 1]; ++e)
-    sum += below[gather[e] * COLUMNS + column];
+  sum += below[from.x * COLUMNS + column] + below[from.y * COLUMNS + column] +
+         below[from.z * COLUMNS + column];
+  if (from.w >= 0) return sum + below[from.w * COLUMNS + column];
+  for (int k = -2 - from.w; more[k] >= 0; ++k) sum += below[more[k] * COLUMNS + column];
   return sum;
 }
 
@@ -25,7 +28,7 @@ void add_rows(int row, int rows, int count, int stride, global const number* L,
   }
 }
 
-void many_rows(const Panel p, int tile, global const int* gather_start, global const int* gather,
+void many_rows(const Panel p, int tile, global const int4* gather, global const int* more,
                global const number* z, global const real* b, global const real* below,
                global real* y, local real* from) {
   const int item = get_local_id(0), row = tile * 64 + item % 64, first = item / 64 * 8;
@@ -34,7 +37,7 @@ void many_rows(const Panel p, int tile, global const int* gather_start, global c
   for (int begin = 0; begin < end; begin += CHUNK) {
     const int count = min(CHUNK, end - begin);
     for (int e = item; e < count * COLUMNS; e += ITEMS)
-      from[e] = at_front_of(p, begin + e / COLUMNS, e % COLUMNS, gather_start, gather, b, below);
+      from[e] = at_front_of(p, begin + e / COLUMNS, e % COLUMNS, gather, more, b, below);
     barrier(CLK_LOCAL_MEM_FENCE);
     add_rows(row, p.width, count, p.height, z + p.z + (size_t)begin * p.height, from,
              sum);
@@ -44,7 +47,7 @@ void many_rows(const Panel p, int tile, global const int* gather_start, global c
     for (int k = 0; k < 8; ++k) y[(p.first + row) * COLUMNS + first + k] = sum[k];
 }
 
-void many_below(const Panel p, int tile, global const int* gather_start, global const int* gather,
+void many_below(const Panel p, int tile, global const int4* gather, global const int* more,
                 global const number* z, global const real* b, global real* below,
                 local real* from) {
   const int item = get_local_id(0), rows = p.height - p.width, row = tile * 64 + item % 64,
@@ -53,7 +56,7 @@ void many_below(const Panel p, int tile, global const int* gather_start, global 
   for (int begin = 0; begin < p.width; begin += CHUNK) {
     const int count = min(CHUNK, p.width - begin);
     for (int e = item; e < count * COLUMNS; e += ITEMS)
-      from[e] = at_front_of(p, begin + e / COLUMNS, e % COLUMNS, gather_start, gather, b, below);
+      from[e] = at_front_of(p, begin + e / COLUMNS, e % COLUMNS, gather, more, b, below);
     barrier(CLK_LOCAL_MEM_FENCE);
     add_rows(row, rows, count, p.height, z + p.z + p.width + (size_t)begin * p.height, from, sum);
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -61,7 +64,7 @@ void many_below(const Panel p, int tile, global const int* gather_start, global 
   if (row >= rows) return;
   for (int k = 0; k < 8; ++k)
     below[(p.below + row) * COLUMNS + first + k] =
-        at_front_of(p, p.width + row, first + k, gather_start, gather, b, below) - sum[k];
+        at_front_of(p, p.width + row, first + k, gather, more, b, below) - sum[k];
 }
 
 // sum[k] += L(0 .. rows, column)^T from(.., first + k) for 64 columns of L, which go through `block`
@@ -108,7 +111,7 @@ void many_back(const Panel p, int tile, global const int* rows, global const num
 // The kernels: one task per group, as in solves.cl.
 
 GROUP solve_many_rows(int first_task, global const int2* tasks, global const Panel* panels,
-                      global const int* gather_start, global const int* gather,
+                      global const int4* gather, global const int* more,
                       global const number* z, global const real* b, global real* below,
                       global real* y) {
   local real from[CHUNK * COLUMNS];
@@ -116,9 +119,9 @@ GROUP solve_many_rows(int first_task, global const int2* tasks, global const Pan
   const Panel p = panels[task.x];
   const int tiles = (p.width + 63) / 64;
   if (task.y < tiles)
-    many_rows(p, task.y, gather_start, gather, z, b, below, y, from);
+    many_rows(p, task.y, gather, more, z, b, below, y, from);
   else
-    many_below(p, task.y - tiles, gather_start, gather, z, b, below, from);
+    many_below(p, task.y - tiles, gather, more, z, b, below, from);
 }
 
 GROUP solve_many_back(int first_task, global const int2* tasks, global const Panel* panels,
@@ -131,17 +134,17 @@ GROUP solve_many_back(int first_task, global const int2* tasks, global const Pan
 }
 
 GROUP solve_many_subtrees(int first_tree, global const int* start, global const int* subtree,
-                          global const Panel* panels, global const int* gather_start,
-                          global const int* gather, global const number* z, global const real* b,
+                          global const Panel* panels, global const int4* gather,
+                          global const int* more, global const number* z, global const real* b,
                           global real* below, global real* y) {
   local real from[CHUNK * COLUMNS];
   const int tree = first_tree + get_group_id(0);
   for (int n = start[tree]; n < start[tree + 1]; ++n) {
     const Panel p = panels[subtree[n]];
     for (int tile = 0; tile * 64 < p.width; ++tile)
-      many_rows(p, tile, gather_start, gather, z, b, below, y, from);
+      many_rows(p, tile, gather, more, z, b, below, y, from);
     for (int tile = 0; tile * 64 < p.height - p.width; ++tile)
-      many_below(p, tile, gather_start, gather, z, b, below, from);
+      many_below(p, tile, gather, more, z, b, below, from);
     barrier(CLK_GLOBAL_MEM_FENCE);
   }
 }

@@ -44,6 +44,8 @@ void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
   for (Buffer* buffer : {&m.b, &m.y, &m.x})
     buffer->reserve(static_cast<std::size_t>(size_) * width);
   m.left.reserve((static_cast<std::size_t>(schedule_.below_size) + 2) * width);
+  const std::vector<double> nothing(columns, 0.0);
+  m.left.write_at(static_cast<std::size_t>(schedule_.below_size) * width, nothing.data(), width);
   m.wanted = of_columns;
   m.wanted.resize(columns, -1);
   m.positions.write(m.wanted);
@@ -54,11 +56,11 @@ void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
     return static_cast<std::size_t>(r.count) * items;
   };
   for (const Schedule::Range& t : schedule_.tiers)
-    m.subtrees(groups(t), items, t.first, subtree_start_, subtree_, panels_, gather_start_, gather_,
+    m.subtrees(groups(t), items, t.first, subtree_start_, subtree_, panels_, gather_, gather_more_,
                z_, m.b, m.left, m.y);
   for (const Schedule::Level& l : schedule_.levels)
     m.rows(groups(l.large_rows), items, l.large_rows.first, large_row_tasks_, panels_,
-           gather_start_, gather_, z_, m.b, m.left, m.y);
+           gather_, gather_more_, z_, m.b, m.left, m.y);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
     const Schedule::Range& l = schedule_.levels[n].large_columns;
     m.back(groups(l), items, l.first, large_column_tasks_, panels_, rows_, z_, m.y, m.x);

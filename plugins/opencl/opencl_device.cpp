@@ -78,6 +78,13 @@ bool OpenClDevice::sweep(ConstraintProblem& problem, std::span<const std::uint32
   });
 }
 
+bool OpenClDevice::solve_tangents(const TangentSystem& system, TangentAnswer& answer) {
+  return has_double_sums(in_use_) && attempt([&] {
+           sweeps_->solve_tangents(system, answer);
+           return std::string();
+         });
+}
+
 bool OpenClDevice::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
   return attempt([&] {
     gradients_->set_matrix(A, fixed);

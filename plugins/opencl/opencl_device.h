@@ -29,6 +29,7 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
 
   bool load(const ConstraintProblem& problem) override;
   bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) override;
+  bool solve_tangents(const TangentSystem& system, TangentAnswer& answer) override;
   bool is_rough() const override { return in_use_ != Precision::double_; }
 
   bool claim() override { return !std::exchange(claimed_, true); }

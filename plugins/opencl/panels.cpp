@@ -42,7 +42,7 @@ void find_gathers(const SupernodalFactor& factor, const std::vector<std::int32_t
   const Panel& last = s.panels.back();
   const auto fronts = static_cast<std::size_t>(last.front + last.height);
   std::vector<std::int32_t> to(static_cast<std::size_t>(s.below_size));
-  s.gather_start.assign(fronts + 1, 0);
+  std::vector<std::int32_t> start(fronts + 1, 0);
   for (std::size_t n = 0; n < s.panels.size(); ++n) {
     if (parent[n] < 0) continue;
     const Panel& p = s.panels[n];
@@ -55,15 +55,30 @@ void find_gathers(const SupernodalFactor& factor, const std::vector<std::int32_t
       while (row(above, at) != row(p, k)) ++at;  // rows of a child are rows of its parent
       assert(at < above.height);
       to[static_cast<std::size_t>(p.below + k - p.width)] = above.front + at;
-      ++s.gather_start[static_cast<std::size_t>(above.front + at) + 1];
+      ++start[static_cast<std::size_t>(above.front + at) + 1];
     }
   }
-  for (std::size_t i = 0; i < fronts; ++i) s.gather_start[i + 1] += s.gather_start[i];
-  s.gather.resize(to.size());
-  std::vector<std::int32_t> next = s.gather_start;
+  // Entries without a front are those of roots: none.
+  for (std::size_t i = 0; i < fronts; ++i) start[i + 1] += start[i];
+  std::vector<std::int32_t> list(static_cast<std::size_t>(start[fronts])), next = start;
   for (std::size_t i = 0; i < to.size(); ++i)
-    s.gather[static_cast<std::size_t>(next[static_cast<std::size_t>(to[i])]++)] =
+    list[static_cast<std::size_t>(next[static_cast<std::size_t>(to[i])]++)] =
         static_cast<std::int32_t>(i);
+  const auto nothing = static_cast<std::int32_t>(s.below_size);
+  for (std::size_t r = 0; r < fronts; ++r) {
+    std::array<std::int32_t, 4> four;
+    four.fill(nothing);
+    const auto begin = list.begin() + start[r], end = list.begin() + start[r + 1];
+    const auto some = std::min<std::ptrdiff_t>(end - begin, end - begin > 4 ? 3 : 4);
+    std::copy(begin, begin + some, four.begin());
+    if (begin + some < end) {
+      four[3] = -2 - static_cast<std::int32_t>(s.gather_more.size());
+      s.gather_more.insert(s.gather_more.end(), begin + some, end);
+      s.gather_more.push_back(-1);
+    }
+    s.gather.push_back(four);
+  }
+  s.gather_more.push_back(-1);
 }
 
 std::int32_t size(const std::vector<Task>& tasks) {

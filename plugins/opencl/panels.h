@@ -31,7 +31,10 @@ using Task = std::array<std::int32_t, 2>;
 
 struct Schedule {
   std::vector<Panel> panels;
-  std::vector<std::int32_t> gather_start, gather;    ///< per row of a front: entries of `below`
+  /// Per row of a front: which entries of `below` it gathers. Where there are more than four, the
+  /// last is -2 - k: from gather_more[k] on, ended by -1. Entry below_size is always zero.
+  std::vector<std::array<std::int32_t, 4>> gather;
+  std::vector<std::int32_t> gather_more;
   std::vector<std::int32_t> subtree_start, subtree;  ///< panels of each, children first
   struct Range {
     std::int32_t first, count;

@@ -10,6 +10,7 @@ extern const char* const many_solves;
 extern const char* const gradients;
 extern const char* const elements;
 extern const char* const compliance;
+extern const char* const direct_step;
 extern const char* const batch;
 extern const char* const batch_solve;
 

@@ -104,28 +104,30 @@ kernel void multiply_below(global const int2* tasks, global const Panel* panels,
   store_tile(rows, columns, sum, z + p.z + row + (size_t)first * p.height, p.height);
 }
 
-// What the children leave for row r of the front, and the right-hand side.
-real at_front(const Panel p, int r, global const int* gather_start, global const int* gather,
+// What the children leave for row r of the front, and the right-hand side (panels.h).
+real at_front(const Panel p, int r, global const int4* gather, global const int* more,
               global const real* b, global const real* below) {
+  const int4 from = gather[p.front + r];
   real sum = r < p.width ? b[p.first + r] : 0;
-  for (int e = gather_start[p.front + r]; e < gather_start[p.front + r + 1]; ++e)
-    sum += below[gather[e]];
+  sum += below[from.x] + below[from.y] + below[from.z];
+  if (from.w >= 0) return sum + below[from.w];
+  for (int k = -2 - from.w; more[k] >= 0; ++k) sum += below[more[k]];
   return sum;
 }
 
 // The first `count` rows of the front.
-void gather_front(const Panel p, int count, global const int* gather_start,
-                  global const int* gather, global const real* b, global const real* below,
+void gather_front(const Panel p, int count, global const int4* gather,
+                  global const int* more, global const real* b, global const real* below,
                   local real* from) {
   for (int r = get_local_id(0); r < count; r += ITEMS)
-    from[r] = at_front(p, r, gather_start, gather, b, below);
+    from[r] = at_front(p, r, gather, more, b, below);
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
 // ITEMS / parts rows of a panel, `parts` items each: y, or what the panel leaves. `from`: the first
 // `known` rows of the front, at least those of the columns.
-void forward_rows(const Panel p, int tile, int parts, int known, global const int* gather_start,
-                  global const int* gather, global const number* z, global const real* b,
+void forward_rows(const Panel p, int tile, int parts, int known, global const int4* gather,
+                  global const int* more, global const number* z, global const real* b,
                   global real* below, global real* y, local const real* from, local real* sums) {
   const int rows = ITEMS / parts, item = get_local_id(0), row = tile * rows + item % rows;
   const int end = row < p.height ? min(p.width, row + 1) : 0;
@@ -133,7 +135,7 @@ void forward_rows(const Panel p, int tile, int parts, int known, global const in
   global const number* Z = z + p.z + row;
   const real left = !ends || row < p.width ? 0
                     : row < known          ? from[row]
-                                           : at_front(p, row, gather_start, gather, b, below);
+                                           : at_front(p, row, gather, more, b, below);
   real sum = 0;
 #pragma unroll 8
   for (int j = item / rows; j < end; j += parts) sum += (real)Z[(size_t)j * p.height] * from[j];
@@ -184,14 +186,14 @@ Panel panel_of(global const Panel* panels, int number, global const int* done) {
 }
 
 GROUP solve_forward(int first_task, global const int2* tasks, global const Panel* panels,
-                    global const int* gather_start, global const int* gather,
+                    global const int4* gather, global const int* more,
                     global const number* z, global const real* b, global real* below,
                     global real* y, global const int* done) {
   local real from[MOST_WIDTH], sums[ITEMS];
   const int2 task = tasks[first_task + get_group_id(0)];
   const Panel p = panel_of(panels, task.x, done);
-  gather_front(p, min(p.width, 16 * task.y + 16), gather_start, gather, b, below, from);
-  forward_rows(p, task.y, 16, 0, gather_start, gather, z, b, below, y, from, sums);
+  gather_front(p, min(p.width, 16 * task.y + 16), gather, more, b, below, from);
+  forward_rows(p, task.y, 16, 0, gather, more, z, b, below, y, from, sums);
 }
 
 GROUP solve_back(int first_task, global const int2* tasks, global const Panel* panels,
@@ -204,8 +206,8 @@ GROUP solve_back(int first_task, global const int2* tasks, global const Panel* p
 
 // A whole subtree.
 GROUP solve_subtrees(int first_tree, global const int* start, global const int* subtree,
-                     global const Panel* panels, global const int* gather_start,
-                     global const int* gather, global const number* z, global const real* b,
+                     global const Panel* panels, global const int4* gather,
+                     global const int* more, global const number* z, global const real* b,
                      global real* below, global real* y, global const int* done) {
   local real from[MOST_WIDTH], sums[ITEMS];
   const int tree = first_tree + get_group_id(0);
@@ -213,9 +215,9 @@ GROUP solve_subtrees(int first_tree, global const int* start, global const int* 
   for (int n = begin; n < end; ++n) {
     const Panel p = panels[subtree[n]];
     const int known = min(p.height, MOST_WIDTH);
-    gather_front(p, known, gather_start, gather, b, below, from);
+    gather_front(p, known, gather, more, b, below, from);
     for (int tile = 0; tile * 64 < p.height; ++tile)
-      forward_rows(p, tile, 4, known, gather_start, gather, z, b, below, y, from, sums);
+      forward_rows(p, tile, 4, known, gather, more, z, b, below, y, from, sums);
     barrier(CLK_GLOBAL_MEM_FENCE);
   }
 }

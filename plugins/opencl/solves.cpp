@@ -41,8 +41,8 @@ Solves::Solves(const Device& device, Precision precision)
     : device_(device),
       precision_(precision),
       panels_(device),
-      gather_start_(device),
       gather_(device),
+      gather_more_(device),
       rows_(device),
       subtree_start_(device),
       subtree_(device),
@@ -78,8 +78,8 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     for (std::size_t t = 0; t < tiers.size(); ++t) tiers[t] = std::max(least[t], values / shares[t]);
     schedule_ = make_schedule(factor, tiers);
     panels_.write(schedule_.panels);
-    gather_start_.write(schedule_.gather_start);
     gather_.write(schedule_.gather);
+    gather_more_.write(schedule_.gather_more);
     rows_.write(row_);
     subtree_start_.write(schedule_.subtree_start);
     subtree_.write(schedule_.subtree);
@@ -102,6 +102,8 @@ void Solves::set_factor(const SupernodalFactor& factor) {
   }
   z_.reserve(static_cast<std::size_t>(schedule_.z_size) * number);
   below_.reserve((static_cast<std::size_t>(schedule_.below_size) + 2) * real);
+  const double nothing = 0;
+  below_.write_at(static_cast<std::size_t>(schedule_.below_size) * real, &nothing, real);
   y_.reserve(static_cast<std::size_t>(size_) * real);
   Program& p = *program_;
   p.invert_tiles(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
@@ -113,7 +115,7 @@ void Solves::set_factor(const SupernodalFactor& factor) {
 void Solves::forward_small(const Buffer& b, const Buffer& done) {
   for (const Schedule::Range& t : schedule_.tiers)
     program_->subtrees(static_cast<std::size_t>(t.count) * items, items, t.first, subtree_start_,
-                       subtree_, panels_, gather_start_, gather_, z_, b, below_, y_, done);
+                       subtree_, panels_, gather_, gather_more_, z_, b, below_, y_, done);
 }
 
 void Solves::finish(const Buffer& b, const Buffer& x, const Buffer& done) {
@@ -122,7 +124,7 @@ void Solves::finish(const Buffer& b, const Buffer& x, const Buffer& done) {
     return static_cast<std::size_t>(r.count) * items;
   };
   for (const Schedule::Level& l : schedule_.levels)
-    p.forward(groups(l.rows), items, l.rows.first, row_tasks_, panels_, gather_start_, gather_, z_,
+    p.forward(groups(l.rows), items, l.rows.first, row_tasks_, panels_, gather_, gather_more_, z_,
               b, below_, y_, done);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
     const Schedule::Level& l = schedule_.levels[n];

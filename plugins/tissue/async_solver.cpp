@@ -102,7 +102,6 @@ bool AsyncSolver::give_to_device(bool same_matrix) {
 /// answered_ <- A^-1 asked_. False if the CPU shall do it.
 bool AsyncSolver::solve_on_device(Real tolerance) {
   ConjugateGradientDevice::Report r;
-  answered_.setZero();
   if (!device_->solve(asked_, answered_, tolerance, options_.max_iterations, r)) {
     report_.complain(device_->why_not());
     on_device_ = false;

@@ -7,8 +7,17 @@
 
 namespace sutura {
 
-void SubspaceStep::begin() {
+namespace {
+
+constexpr Real regularisation = 1e-12;
+/// Directions from which on a device is faster than the CPU (docs/theory/opencl.md).
+constexpr Index worth_a_device = 100;
+
+}  // namespace
+
+void SubspaceStep::begin(SweepDevice* device) {
   factored_ = false;
+  device_ = device;
 }
 
 void SubspaceStep::ask(const ConstraintProblem& problem, Compliance& compliance) {
@@ -144,7 +153,6 @@ bool SubspaceStep::factorise() {
   if (!scale_.allFinite()) return false;
   G.array().colwise() *= scale_.array();
   G.array().rowwise() *= scale_.transpose().array();
-  constexpr Real regularisation = 1e-12;
   G.diagonal().array() += regularisation;
   if (symmetric_) {
     Eigen::Ref<MatX, 0, Eigen::OuterStride<>> in_place(G);
@@ -160,11 +168,73 @@ bool SubspaceStep::factorise() {
   return true;
 }
 
-bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report) {
+/// As `factorise` makes them of the whole matrix.
+void SubspaceStep::find_scales(const ConstraintProblem& problem) {
   const auto f = static_cast<Index>(now_.directions.size());
-  problem.lambda = base_;
+  scale_.resize(f);
+  for (Index j = 0; j < f; ++j) {
+    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
+    Real g = now_.compliance[static_cast<std::size_t>(j) * max_block_dim +
+                             static_cast<std::size_t>(d.index)];
+    for (std::size_t a = d.first; a < d.end; ++a)
+      for (std::size_t b = d.first; b < d.end; ++b)
+        g += now_.entries[a].test * problem.W(now_.entries[a].row, now_.entries[b].row) *
+             now_.entries[b].move;
+    scale_[j] = g != 0 ? 1 / std::sqrt(std::abs(g)) : Real(1);
+  }
+}
+
+/// lambda <- base + move y.
+void SubspaceStep::apply(ConstraintProblem& problem) const {
+  for (Index j = 0; j < y_.size(); ++j) {
+    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
+    for (std::size_t e = d.first; e < d.end; ++e)
+      problem.lambda[now_.entries[e].row] += now_.entries[e].move * y_[j];
+  }
+}
+
+bool SubspaceStep::solve_on_device(ConstraintProblem& problem) {
+  const std::size_t f = now_.directions.size();
+  find_scales(problem);
+  Sent& s = sent_;
+  for (auto* v : {&s.first, &s.row, &s.first_of_block}) v->clear();
+  for (auto* v : {&s.move, &s.test}) v->clear();
+  for (std::size_t j = 0; j < f; ++j) {
+    const Direction& d = now_.directions[j];
+    s.first.push_back(static_cast<std::int32_t>(d.first));
+    s.first_of_block.push_back(static_cast<std::int32_t>(j) - d.index);
+  }
+  s.first.push_back(static_cast<std::int32_t>(now_.entries.size()));
+  for (const Entry& e : now_.entries) {
+    s.row.push_back(static_cast<std::int32_t>(e.row));
+    s.move.push_back(e.move);
+    s.test.push_back(e.test);
+  }
+  const auto all = [](const GrowingVec& v) {
+    return std::span<const Real>(v.data(), static_cast<std::size_t>(v.size()));
+  };
+  TangentAnswer& answer = s.answer;
+  if (!device_->solve_tangents({s.first, s.first_of_block, s.row, all(scale_),
+                                all(gap_).first(f), now_.compliance, all(base_),
+                                all(problem.d_free), s.move, s.test, regularisation},
+                               answer)) {
+    device_ = nullptr;
+    return false;
+  }
+  const auto y = answer.y(f), right = answer.right(f), delta = answer.delta(f);
+  y_.resize(static_cast<Index>(f));
+  std::copy(y.begin(), y.end(), y_.begin());
+  asked_of_system_ = 0;
+  for (const Real r : right) asked_of_system_ = std::max(asked_of_system_, std::abs(r));
+  apply(problem);
+  std::copy(delta.begin(), delta.end(), problem.delta.begin());
+  return true;
+}
+
+bool SubspaceStep::solve_here(ConstraintProblem& problem, Compliance& compliance,
+                              SolveReport& report) {
+  const auto f = static_cast<Index>(now_.directions.size());
   compliance.update_delta(problem);
-  if (f == 0) return true;
   if (!unchanged()) {
     assemble(problem, compliance);
     ++report.factorisations;
@@ -174,7 +244,7 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
   }
   y_.resize(f);
   for (Index j = 0; j < f; ++j) y_[j] = -left_of(problem, j) * scale_[j];
-  const Real asked = y_.lpNorm<Eigen::Infinity>();
+  asked_of_system_ = y_.lpNorm<Eigen::Infinity>();
   if (symmetric_) {
     const auto L = matrix_.topLeftCorner(f, f);
     L.triangularView<Eigen::Lower>().solveInPlace(y_);
@@ -185,17 +255,16 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
     LU_.triangularView<Eigen::Upper>().solveInPlace(y_);
   }
   y_.array() *= scale_.array();
-  for (Index j = 0; j < f; ++j) {
-    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
-    for (std::size_t e = d.first; e < d.end; ++e)
-      problem.lambda[now_.entries[e].row] += now_.entries[e].move * y_[j];
-  }
+  apply(problem);
   compliance.update_delta(problem);
+  return true;
+}
 
-  // Rows that contradict each other have no solution; the regularised one is huge and must not be
-  // taken.
+/// Rows that contradict each other have no solution; the regularised one is huge and must not be
+/// taken.
+bool SubspaceStep::is_solved(const ConstraintProblem& problem) const {
   Real left = 0;
-  for (Index j = 0; j < f; ++j) {
+  for (Index j = 0; j < y_.size(); ++j) {
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
     Real r = left_of(problem, j);
     const Index first = j - d.index;  // directions of one block are consecutive
@@ -205,7 +274,23 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
            y_[first + k];
     left = std::max(left, std::abs(r) * scale_[j]);
   }
-  return problem.lambda.allFinite() && left <= 1e-2 * asked;
+  return problem.lambda.allFinite() && left <= 1e-2 * asked_of_system_;
+}
+
+bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report) {
+  const auto f = static_cast<Index>(now_.directions.size());
+  problem.lambda = base_;
+  if (f == 0) {
+    compliance.update_delta(problem);
+    return true;
+  }
+  if (device_ != nullptr && f >= worth_a_device && solve_on_device(problem)) {
+    factored_ = false;  // nothing of this is kept
+    ++report.factorisations;
+    if (is_solved(problem)) return true;
+    problem.lambda = base_;  // there, rows are not exchanged
+  }
+  return solve_here(problem, compliance, report) && is_solved(problem);
 }
 
 Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
