@@ -44,6 +44,10 @@ class GradientsAlone : public ConjugateGradientDevice {
     gradients_.set_turns(turns);
     return true;
   }
+  bool find_turns(std::span<const Mat3> of_factor) override {
+    gradients_.find_turns(of_factor);
+    return true;
+  }
   bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
              Index max_iterations, Report& report) override {
     report = gradients_.solve(b, x, tolerance, max_iterations);

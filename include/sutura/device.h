@@ -142,6 +142,8 @@ class ConjugateGradientDevice {
   virtual bool set_factor(const SupernodalFactor& factor) = 0;
   /// Q, per node.
   virtual bool set_turns(std::span<const Mat3> turns) = 0;
+  /// Q from the rotations that were found with the matrix, and those of the factor that was sent.
+  virtual bool find_turns(std::span<const Mat3> of_factor) = 0;
   /// x <- A^-1 b, from zero on.
   virtual bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                      Index max_iterations, Report& report) = 0;

@@ -289,6 +289,19 @@ kernel void node_rotations(int nodes, global const int* first, global const int*
   for (int c = 0; c < 9; ++c) rotations[9 * i + c] = R[c];
 }
 
+// now times the transpose of then.
+kernel void find_turns(int nodes, global const real* then, global const real* now,
+                       global real* turns) {
+  const int n = get_global_id(0);
+  if (n >= nodes) return;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      real sum = 0;
+      for (int k = 0; k < 3; ++k) sum += now[9 * n + 3 * k + i] * then[9 * n + 3 * k + j];
+      turns[9 * n + 3 * j + i] = sum;
+    }
+}
+
 constant int block_row[10] = {0, 0, 0, 0, 1, 1, 1, 2, 2, 3};
 constant int block_column[10] = {0, 1, 2, 3, 1, 2, 3, 2, 3, 3};
 

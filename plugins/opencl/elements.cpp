@@ -34,10 +34,11 @@ struct Elements::Program {
         elements(device, program, "elements"),
         forces(device, program, "node_forces"),
         rotations(device, program, "node_rotations"),
+        turns(device, program, "find_turns"),
         matrix(device, program, "gather_matrix") {}
   ~Program() { clReleaseProgram(program); }
   cl_program program;
-  Kernel start, elements, forces, rotations, matrix;
+  Kernel start, elements, forces, rotations, turns, matrix;
 };
 
 Elements::Elements(const Device& device, Precision precision)
@@ -153,6 +154,10 @@ void Elements::assemble(const VecX& moved, Real scale, const VecX& diagonal, con
   rotations.resize(at(nodes_));
   receive(force_, force.data(), force.size());
   receive(rotations_, rotations.front().data(), 9 * Index{nodes_});
+}
+
+void Elements::find_turns(const Buffer& then, const Buffer& turns) {
+  program_->turns(at(nodes_), items, nodes_, then, rotations_, turns);
 }
 
 void Elements::force(const VecX& moved, VecX& force) {

@@ -22,6 +22,8 @@ class Elements {
   /// ConjugateGradientDevice::assemble has it. Waits.
   void assemble(const VecX& moved, Real scale, const VecX& diagonal, const Buffer& values,
                 VecX& force, std::vector<Mat3>& rotations);
+  /// turns <- those since rotations `then` of the nodes, for the last assembly.
+  void find_turns(const Buffer& then, const Buffer& turns);
   /// Waits.
   void force(const VecX& moved, VecX& force);
 

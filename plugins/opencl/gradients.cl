@@ -1,7 +1,9 @@
 // Conjugate gradients: r, z, p, q = A p and x stay on the device. Sums over all nodes are made by
 // GROUPS groups of ITEMS items, each of which leaves one number; whoever needs the sum adds these up
 // in the same order. Once the iteration is `done` the kernels that are still to come have no nodes:
-// x stays as it is. `number` is the type of the factor, `real` of all else but the matrix.
+// x stays as it is.
+
+#define GROUP kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void
 
 typedef struct {
   int done;        // nothing is to be done any more

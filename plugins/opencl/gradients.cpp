@@ -15,10 +15,8 @@ constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
 
 struct Gradients::Program {
   Program(const Device& device, Precision precision)
-      : program(
-            device.build(definitions(precision) + "typedef float number;\n" + programs::solves +
-                             programs::gradients,
-                         "-DITEMS=256 -DGROUPS=128 -DMOST_WIDTH=" + std::to_string(most_width))),
+      : program(device.build(definitions(precision) + programs::gradients,
+                             "-DITEMS=256 -DGROUPS=128")),
         start(device, program, "start"),
         look(device, program, "look"),
         turn_back(device, program, "turn_back"),
@@ -42,6 +40,7 @@ Gradients::Gradients(const Device& device, Precision precision)
       columns_(device),
       is_fixed_(device),
       values_(device),
+      then_(device),
       turns_(device),
       row_of_(device),
       position_(device),
@@ -156,6 +155,7 @@ void Gradients::read_matrix(std::span<Real> values) {
 }
 
 void Gradients::set_factor(const SupernodalFactor& factor) {
+  then_is_there_ = false;
   solves_.set_factor(factor);
   row_of_.write(factor.row_of);
   known_position_.assign(static_cast<std::size_t>(3 * nodes_), -1);
@@ -173,6 +173,16 @@ void Gradients::set_turns(std::span<const Mat3> turns) {
   device_.finish();
 }
 
+void Gradients::find_turns(std::span<const Mat3> of_factor) {
+  if (!then_is_there_) {
+    write_reals(then_, of_factor.front().data(), 9 * of_factor.size());
+    device_.finish();
+    then_is_there_ = true;
+  }
+  turns_.reserve(9 * of_factor.size() * (has_double_sums(precision_) ? 8 : 4));
+  elements_.find_turns(then_, turns_);
+}
+
 void Gradients::entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                                    Eigen::Ref<MatX> entries) {
   const auto find = [&](std::span<const Index> unknowns, std::vector<std::int32_t>& positions) {
@@ -181,9 +191,9 @@ void Gradients::entries_of_inverse(std::span<const Index> rows, std::span<const 
       positions.push_back(known_position_[static_cast<std::size_t>(i)]);
   };
   find(rows, entry_rows_);
-  for (std::size_t first = 0; first < columns.size(); first += Solves::columns) {
+  for (std::size_t first = 0; first < columns.size(); first += Solves::most_columns) {
     const std::size_t count =
-        std::min(static_cast<std::size_t>(Solves::columns), columns.size() - first);
+        std::min(static_cast<std::size_t>(Solves::most_columns), columns.size() - first);
     find(columns.subspan(first, count), entry_columns_);
     solves_.entries_of_inverse(
         entry_rows_, entry_columns_,
@@ -202,10 +212,10 @@ void Gradients::precondition(const Buffer& rz) {
 }
 
 void Gradients::begin_preconditioning() {
-  const auto size = static_cast<cl_int>(solves_.size());
+  const auto size = static_cast<cl_int>(solves_.unknowns());
   program_->turn_back(static_cast<std::size_t>(size), items, size, row_of_, turns_, r_, factor_b_,
                       status_);
-  solves_.forward_small(factor_b_, status_);
+  solves_.forward_small(factor_b_, factor_x_, status_);
 }
 
 void Gradients::finish_preconditioning(const Buffer& rz) {

@@ -143,6 +143,13 @@ bool OpenClDevice::set_turns(std::span<const Mat3> turns) {
   });
 }
 
+bool OpenClDevice::find_turns(std::span<const Mat3> of_factor) {
+  return attempt([&] {
+    gradients_->find_turns(of_factor);
+    return std::string();
+  });
+}
+
 bool OpenClDevice::solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                          Index max_iterations, ConjugateGradientDevice::Report& report) {
   return attempt([&] {

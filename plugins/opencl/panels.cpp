@@ -162,11 +162,6 @@ Schedule make_schedule(const SupernodalFactor& factor, std::span<const std::int6
     Schedule::Level l{};
     l.rows = add(s.rows, panels, [&](auto n) { return tiles(panel(n).height, tile_rows); });
     l.columns = add(s.columns, panels, [&](auto n) { return tiles(panel(n).width, tile_columns); });
-    l.large_rows = add(s.large_rows, panels, [&](auto n) {
-      return tiles(panel(n).width, large_tile) + tiles(panel(n).height - panel(n).width, large_tile);
-    });
-    l.large_columns =
-        add(s.large_columns, panels, [&](auto n) { return tiles(panel(n).width, large_tile); });
     s.levels.push_back(l);
   }
   return s;

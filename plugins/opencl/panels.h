@@ -41,18 +41,17 @@ struct Schedule {
   };
   std::vector<Range> tiers;  ///< of subtrees; each after those before it
   struct Level {
-    Range rows, columns;            ///< tasks of the way forward and back
-    Range large_rows, large_columns;  ///< of many solves
+    Range rows, columns;  ///< tasks of the way forward and back
   };
   std::vector<Level> levels;
-  std::vector<Task> rows, columns, large_rows, large_columns;
+  std::vector<Task> rows, columns;
   std::vector<Task> triangles, below;  ///< of setting up: tiles on the diagonal, tiles below
   std::int64_t below_size = 0, z_size = 0;
 };
 
 inline constexpr int most_width = 1280;
 inline constexpr int tile_rows = 16, tile_columns = 8;  ///< of a task of a level
-inline constexpr int large_tile = 64;  ///< rows or columns of a task of many solves or of setting up
+inline constexpr int large_tile = 64;  ///< rows or columns of a task of setting up
 
 /// `tiers`: up to how many entries of the factor a subtree of each tier has, ascending.
 Schedule make_schedule(const SupernodalFactor& factor, std::span<const std::int64_t> tiers);

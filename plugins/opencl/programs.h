@@ -6,7 +6,6 @@ namespace sutura::opencl::programs {
 extern const char* const laws;
 extern const char* const sweep;
 extern const char* const solves;
-extern const char* const many_solves;
 extern const char* const gradients;
 extern const char* const elements;
 extern const char* const compliance;

@@ -116,9 +116,9 @@ real at_front(const Panel p, int r, global const int4* gather, global const int*
 }
 
 // The first `count` rows of the front.
-void gather_front(const Panel p, int count, global const int4* gather,
-                  global const int* more, global const real* b, global const real* below,
-                  local real* from) {
+void gather_front(const Panel p, int count, global const int4* gather, global const int* more,
+                  global const real* b, global const real* below, local real* from) {
+#pragma unroll 4
   for (int r = get_local_id(0); r < count; r += ITEMS)
     from[r] = at_front(p, r, gather, more, b, below);
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -139,32 +139,48 @@ void forward_rows(const Panel p, int tile, int parts, int known, global const in
   real sum = 0;
 #pragma unroll 8
   for (int j = item / rows; j < end; j += parts) sum += (real)Z[(size_t)j * p.height] * from[j];
-  sums[item] = sum;
-  barrier(CLK_LOCAL_MEM_FENCE);
+  if (parts > 1) {
+    sums[item] = sum;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int part = 1; ends && part < parts; ++part) sum += sums[rows * part + item];
+  }
   if (ends) {
-    for (int part = 1; part < parts; ++part) sum += sums[rows * part + item];
     if (row < p.width)
       y[p.first + row] = sum;
     else
       below[p.below + row - p.width] = left - sum;
   }
+  if (parts > 1) barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// What the columns of Z are multiplied with on the way back.
+real at_back(const Panel p, int r, global const int* rows, global const real* y,
+             global const real* x) {
+  return r < p.width ? y[p.first + r] : -x[rows[p.row + r]];
+}
+
+void gather_back(const Panel p, int begin, global const int* rows, global const real* y,
+                 global const real* x, local real* from) {
+#pragma unroll 4
+  for (int r = begin + get_local_id(0); r < min(p.height, FRONT); r += ITEMS)
+    from[r] = at_back(p, r, rows, y, x);
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// x of 8 columns, 32 items each.
+// x of 8 columns, 32 items each. `from`: what gather_back has left, from the first of them on.
 void backward_columns(const Panel p, int tile, global const int* rows, global const number* z,
-                      global const real* y, global real* x, local real* sums) {
+                      global const real* y, global real* x, local const real* from,
+                      local real* sums) {
   const int item = get_local_id(0), column = tile * 8 + item / 32;
   real sum = 0;
   if (column < p.width) {
     global const number* Z = z + p.z + (size_t)column * p.height;
-    const int inside = column / 32 * 32 + item % 32;
-#pragma unroll 4
-    for (int i = inside; i < p.width; i += 32)
-      sum += i < column ? 0 : (real)Z[i] * y[p.first + i];
-#pragma unroll 4
-    for (int r = p.width + item % 32; r < p.height; r += 32)
-      sum -= (real)Z[r] * x[rows[p.row + r]];
+    const int known = min(p.height, FRONT);
+    int r = tile * 8 + item % 32;
+    if (r < column) r += 32;  // above the diagonal there is nothing
+#pragma unroll 8
+    for (; r < known; r += 32) sum += (real)Z[r] * from[r];
+    for (; r < p.height; r += 32) sum += (real)Z[r] * at_back(p, r, rows, y, x);
   }
   for (int half_of = 16; half_of > 0; half_of /= 2) {
     sums[item] = sum;
@@ -175,9 +191,12 @@ void backward_columns(const Panel p, int tile, global const int* rows, global co
   if (column < p.width && item % 32 == 0) x[p.first + column] = sum;
 }
 
-// The kernels: one task per group. `done`: the iteration has ended, and nothing is to be done any
+// The kernels: one task and one right-hand side per group; `count` tasks, right-hand sides `size`
+// apart, what is left `left` apart. `done`: the iteration has ended, and nothing is to be done any
 // more: the panel is one of no size then, so that all items still meet at the same barriers.
 #define GROUP kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void
+#define THIS ((int)get_group_id(0) % count)
+#define SIDE ((size_t)(get_group_id(0) / count))
 
 Panel panel_of(global const Panel* panels, int number, global const int* done) {
   Panel p = panels[number];
@@ -185,54 +204,84 @@ Panel panel_of(global const Panel* panels, int number, global const int* done) {
   return p;
 }
 
-GROUP solve_forward(int first_task, global const int2* tasks, global const Panel* panels,
-                    global const int4* gather, global const int* more,
+GROUP solve_forward(int first_task, int count, int size, int left, global const int2* tasks,
+                    global const Panel* panels, global const int4* gather, global const int* more,
                     global const number* z, global const real* b, global real* below,
                     global real* y, global const int* done) {
   local real from[MOST_WIDTH], sums[ITEMS];
-  const int2 task = tasks[first_task + get_group_id(0)];
+  const int2 task = tasks[first_task + THIS];
   const Panel p = panel_of(panels, task.x, done);
+  b += SIDE * size;
+  y += SIDE * size;
+  below += SIDE * left;
   gather_front(p, min(p.width, 16 * task.y + 16), gather, more, b, below, from);
   forward_rows(p, task.y, 16, 0, gather, more, z, b, below, y, from, sums);
 }
 
-GROUP solve_back(int first_task, global const int2* tasks, global const Panel* panels,
-                 global const int* rows, global const number* z, global const real* y,
-                 global real* x, global const int* done) {
-  local real sums[ITEMS];
-  const int2 task = tasks[first_task + get_group_id(0)];
-  backward_columns(panel_of(panels, task.x, done), task.y, rows, z, y, x, sums);
+GROUP solve_back(int first_task, int count, int size, global const int2* tasks,
+                 global const Panel* panels, global const int* rows, global const number* z,
+                 global const real* y, global real* x, global const int* done) {
+  local real from[FRONT], sums[ITEMS];
+  const int2 task = tasks[first_task + THIS];
+  const Panel p = panel_of(panels, task.x, done);
+  y += SIDE * size;
+  x += SIDE * size;
+  gather_back(p, task.y * 8, rows, y, x, from);
+  backward_columns(p, task.y, rows, z, y, x, from, sums);
 }
 
 // A whole subtree.
-GROUP solve_subtrees(int first_tree, global const int* start, global const int* subtree,
-                     global const Panel* panels, global const int4* gather,
-                     global const int* more, global const number* z, global const real* b,
-                     global real* below, global real* y, global const int* done) {
-  local real from[MOST_WIDTH], sums[ITEMS];
-  const int tree = first_tree + get_group_id(0);
+GROUP solve_subtrees(int first_tree, int count, int size, int left, global const int* start,
+                     global const int* subtree, global const Panel* panels,
+                     global const int4* gather, global const int* more, global const number* z,
+                     global const real* b, global real* below, global real* y,
+                     global const int* done) {
+  local real from[FRONT], sums[ITEMS];
+  const int tree = first_tree + THIS;
   const int begin = start[tree], end = *done ? begin : start[tree + 1];
+  b += SIDE * size;
+  y += SIDE * size;
+  below += SIDE * left;
   for (int n = begin; n < end; ++n) {
     const Panel p = panels[subtree[n]];
-    const int known = min(p.height, MOST_WIDTH);
+    const int known = min(p.height, FRONT), parts = p.width <= 48 ? 1 : p.width <= 128 ? 2 : 4;
     gather_front(p, known, gather, more, b, below, from);
-    for (int tile = 0; tile * 64 < p.height; ++tile)
-      forward_rows(p, tile, 4, known, gather, more, z, b, below, y, from, sums);
-    barrier(CLK_GLOBAL_MEM_FENCE);
+    for (int tile = 0; tile * (ITEMS / parts) < p.height; ++tile)
+      forward_rows(p, tile, parts, known, gather, more, z, b, below, y, from, sums);
+    barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
   }
 }
 
-GROUP solve_back_subtrees(int first_tree, global const int* start, global const int* subtree,
-                          global const Panel* panels, global const int* rows,
-                          global const number* z, global const real* y, global real* x,
-                          global const int* done) {
-  local real sums[ITEMS];
-  const int tree = first_tree + get_group_id(0);
+GROUP solve_back_subtrees(int first_tree, int count, int size, global const int* start,
+                          global const int* subtree, global const Panel* panels,
+                          global const int* rows, global const number* z, global const real* y,
+                          global real* x, global const int* done) {
+  local real from[FRONT], sums[ITEMS];
+  const int tree = first_tree + THIS;
   const int begin = start[tree], end = *done ? begin : start[tree + 1];
+  y += SIDE * size;
+  x += SIDE * size;
   for (int n = end - 1; n >= begin; --n) {
     const Panel p = panels[subtree[n]];
+    gather_back(p, 0, rows, y, x, from);
     for (int tile = 0; tile * 8 < p.width; ++tile)
-      backward_columns(p, tile, rows, z, y, x, sums);
-    barrier(CLK_GLOBAL_MEM_FENCE);
+      backward_columns(p, tile, rows, z, y, x, from, sums);
+    barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE);
   }
+}
+
+// Many right-hand sides: b is one where `position` of the side is, zero elsewhere.
+kernel void many_units(int size, int sides, int left, int nothing, global const int* position,
+                       global real* b, global real* below) {
+  const int e = get_global_id(0);
+  if (e >= size * sides) return;
+  b[e] = position[e / size] == e % size ? 1 : 0;
+  if (e < sides) below[(size_t)e * left + nothing] = 0;
+}
+
+// Some rows of x, by columns. Position -1: zero.
+kernel void many_entries(int rows, int sides, int size, global const int* position,
+                         global const real* x, global real* entries) {
+  const int r = get_global_id(0) % rows, c = get_global_id(0) / rows;
+  if (c < sides) entries[(size_t)c * rows + r] = position[r] < 0 ? 0 : x[position[r] + (size_t)c * size];
 }

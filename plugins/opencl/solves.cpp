@@ -1,8 +1,10 @@
 // Solving with a supernodal factor: upload, schedule, launches.
 #include <algorithm>
 #include <array>
+#include <cassert>
 
 #include "gradients.h"
+#include "programs.h"
 #include "solves_program.h"
 
 namespace sutura::opencl {
@@ -14,24 +16,30 @@ constexpr std::size_t items = 256;
 constexpr std::array<std::int64_t, 3> shares{9600, 2400, 600};
 constexpr std::array<std::int64_t, 3> least{1500, 6000, 20000};
 
-}  // namespace
+/// Numbers of a front that fit into local memory.
+constexpr int front = 2560;
 
-cl_program build_solves(const Device& device, Precision precision, bool rough, const char* more) {
-  return device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
-                          " number;\n" + programs::solves + more,
-                      "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width));
+std::string sizes() {
+  return "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width) +
+         " -DFRONT=" + std::to_string(front);
 }
+
+}  // namespace
 
 Solves::Program::Program(const Device& device, Precision precision, bool rough)
     : rough(rough),
-      program(build_solves(device, precision, rough, "")),
+      program(device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
+                               " number;\n" + programs::solves,
+                           sizes())),
       invert_tiles(device, program, "invert_tiles"),
       invert_columns(device, program, "invert_columns"),
       multiply_below(device, program, "multiply_below"),
       forward(device, program, "solve_forward"),
       back(device, program, "solve_back"),
       subtrees(device, program, "solve_subtrees"),
-      back_subtrees(device, program, "solve_back_subtrees") {}
+      back_subtrees(device, program, "solve_back_subtrees"),
+      units(device, program, "many_units"),
+      entries(device, program, "many_entries") {}
 
 Solves::Program::~Program() {
   clReleaseProgram(program);
@@ -48,14 +56,17 @@ Solves::Solves(const Device& device, Precision precision)
       subtree_(device),
       row_tasks_(device),
       column_tasks_(device),
-      large_row_tasks_(device),
-      large_column_tasks_(device),
       triangle_tasks_(device),
       multiply_tasks_(device),
       value_(device),
       z_(device),
       below_(device),
-      y_(device) {}
+      y_(device),
+      not_done_(device),
+      many_{Buffer(device), Buffer(device), Buffer(device), Buffer(device)},
+      positions_(device),
+      rows_wanted_(device),
+      picked_(device) {}
 
 Solves::~Solves() = default;
 
@@ -85,8 +96,6 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     subtree_.write(schedule_.subtree);
     row_tasks_.write(schedule_.rows);
     column_tasks_.write(schedule_.columns);
-    large_row_tasks_.write(schedule_.large_rows);
-    large_column_tasks_.write(schedule_.large_columns);
     triangle_tasks_.write(schedule_.triangles);
     multiply_tasks_.write(schedule_.below);
   }
@@ -105,6 +114,8 @@ void Solves::set_factor(const SupernodalFactor& factor) {
   const double nothing = 0;
   below_.write_at(static_cast<std::size_t>(schedule_.below_size) * real, &nothing, real);
   y_.reserve(static_cast<std::size_t>(size_) * real);
+  const cl_int no[4] = {};
+  not_done_.write(no, sizeof(no));
   Program& p = *program_;
   p.invert_tiles(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
   p.invert_columns(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
@@ -112,30 +123,60 @@ void Solves::set_factor(const SupernodalFactor& factor) {
   device_.finish();  // the factor may change from now on
 }
 
-void Solves::forward_small(const Buffer& b, const Buffer& done) {
+void Solves::forward_small(const Sides& s) {
   for (const Schedule::Range& t : schedule_.tiers)
-    program_->subtrees(static_cast<std::size_t>(t.count) * items, items, t.first, subtree_start_,
-                       subtree_, panels_, gather_, gather_more_, z_, b, below_, y_, done);
+    program_->subtrees(groups(t, s), items, t.first, t.count, size(), left(), subtree_start_,
+                       subtree_, panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
 }
 
-void Solves::finish(const Buffer& b, const Buffer& x, const Buffer& done) {
+void Solves::finish(const Sides& s) {
   Program& p = *program_;
-  const auto groups = [](const Schedule::Range& r) {
-    return static_cast<std::size_t>(r.count) * items;
-  };
   for (const Schedule::Level& l : schedule_.levels)
-    p.forward(groups(l.rows), items, l.rows.first, row_tasks_, panels_, gather_, gather_more_, z_,
-              b, below_, y_, done);
+    p.forward(groups(l.rows, s), items, l.rows.first, l.rows.count, size(), left(), row_tasks_,
+              panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
-    const Schedule::Level& l = schedule_.levels[n];
-    p.back(groups(l.columns), items, l.columns.first, column_tasks_, panels_, rows_, z_, y_, x,
-           done);
+    const Schedule::Range& l = schedule_.levels[n].columns;
+    p.back(groups(l, s), items, l.first, l.count, size(), column_tasks_, panels_, rows_, z_, s.y,
+           s.x, s.done);
   }
   for (std::size_t n = schedule_.tiers.size(); n-- > 0;) {
     const Schedule::Range& t = schedule_.tiers[n];
-    p.back_subtrees(groups(t), items, t.first, subtree_start_, subtree_, panels_, rows_, z_, y_, x,
-                    done);
+    p.back_subtrees(groups(t, s), items, t.first, t.count, size(), subtree_start_, subtree_,
+                    panels_, rows_, z_, s.y, s.x, s.done);
   }
+}
+
+void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
+                                const std::vector<std::int32_t>& columns,
+                                Eigen::Ref<MatX> entries) {
+  assert(columns.size() <= most_columns && entries.rows() == static_cast<Index>(rows.size()));
+  const std::size_t real = has_double_sums(precision_) ? 8 : 4, count = columns.size(),
+                    all = static_cast<std::size_t>(size_) * count,
+                    picked = rows.size() * count;
+  for (Buffer* buffer : {&many_[0], &many_[2], &many_[3]}) buffer->reserve(all * real);
+  many_[1].reserve(static_cast<std::size_t>(left()) * count * real);
+  positions_.write(columns);
+  rows_wanted_.write(rows);
+  const auto sides = static_cast<cl_int>(count);
+  program_->units(all, items, size(), sides, left(), static_cast<cl_int>(schedule_.below_size),
+                  positions_, many_[0], many_[1]);
+  const Sides s{many_[0], many_[1], many_[2], many_[3], not_done_, sides};
+  forward_small(s);
+  finish(s);
+  picked_.reserve(picked * real);
+  program_->entries(picked, items, static_cast<cl_int>(rows.size()), sides, size(), rows_wanted_,
+                    many_[3], picked_);
+  const auto take = [&](auto& numbers) {
+    numbers.resize(picked);
+    picked_.read(numbers);
+    for (std::size_t c = 0; c < count; ++c)
+      for (std::size_t r = 0; r < rows.size(); ++r)
+        entries(static_cast<Index>(r), static_cast<Index>(c)) = numbers[c * rows.size() + r];
+  };
+  if (has_double_sums(precision_))
+    take(doubles_);
+  else
+    take(floats_);
 }
 
 }  // namespace sutura::opencl

@@ -92,6 +92,7 @@ bool AsyncSolver::give_to_device(bool same_matrix) {
       device_factor_ = current_->factor.get();
       device_snapshot_ = current_->snapshot->step;
     }
+    if (A_->is_there()) return device_->find_turns(current_->snapshot->rotations);
     return device_->set_turns(warped_.turns());
   };
   const bool given = give();
@@ -295,7 +296,8 @@ void AsyncSolver::entries_of_inverse(std::span<const Index> rows, std::span<cons
 }
 
 NodeCompliance AsyncSolver::compliance() const {
-  return current_ ? current_->compliance.view(warped_.turns()) : NodeCompliance{};
+  return current_ ? current_->compliance.view(current_->snapshot->rotations, rotations_)
+                  : NodeCompliance{};
 }
 
 bool AsyncSolver::add_on_device(const SparseRows& rows, Real scale, Eigen::Ref<MatX> W) {

@@ -148,7 +148,10 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     const Real before = residual.value;
     if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
     Index swept = 0;
-    if (on_device_) swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
+    // With the direct step one sweep is often all: that takes the way to the device longer.
+    const bool direct = options_.acceleration == Acceleration::subspace;
+    if (on_device_ && (!direct || report.sweeps > 0))
+      swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
     if (swept == 0) {
       sweep(problem);
       swept = 1;

@@ -11,7 +11,7 @@ objects=$1/objects
 
 {
   echo 'namespace sutura::opencl::programs {'
-  for name in laws sweep solves many_solves gradients elements compliance direct_step batch batch_solve; do
+  for name in laws sweep solves gradients elements compliance direct_step batch batch_solve; do
     printf 'extern const char* const %s;\nconst char* const %s = R"cl(' $name $name
     cat plugins/opencl/$name.cl
     echo ')cl";'
