@@ -137,7 +137,7 @@ void forward_rows(const Panel p, int tile, int parts, int known, global const in
                     : row < known          ? from[row]
                                            : at_front(p, row, gather, more, b, below);
   real sum = 0;
-#pragma unroll 8
+#pragma unroll 16
   for (int j = item / rows; j < end; j += parts) sum += (real)Z[(size_t)j * p.height] * from[j];
   if (parts > 1) {
     sums[item] = sum;
@@ -178,7 +178,7 @@ void backward_columns(const Panel p, int tile, global const int* rows, global co
     const int known = min(p.height, FRONT);
     int r = tile * 8 + item % 32;
     if (r < column) r += 32;  // above the diagonal there is nothing
-#pragma unroll 8
+#pragma unroll 16
     for (; r < known; r += 32) sum += (real)Z[r] * from[r];
     for (; r < p.height; r += 32) sum += (real)Z[r] * at_back(p, r, rows, y, x);
   }

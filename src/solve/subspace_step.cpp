@@ -308,6 +308,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance
     residual = natural_map(problem, compliance, lambda_plus, &block_residual_);
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
+    if (!(residual.value > tolerance)) return residual;  // lambda and delta are those of the best
     const std::size_t wrong = change_states(problem, compliance, most);
     collect(problem);
     if (wrong < fewest) {

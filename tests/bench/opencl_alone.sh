@@ -2,7 +2,7 @@
 # The OpenCL benchmark on a machine that has a device but neither CMake nor the libraries of the rest: g++, Eigen and
 # OpenCL's headers and loader are enough. With CHOLMOD and METIS, conjugate gradients are measured too.
 #   tests/bench/opencl_alone.sh OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES [PART]]]
-# PART: sweeps, gradients, step, threads or accuracy; left out, all of them.
+# PART: sweeps, gradients, step, kernels, threads or accuracy; left out, all of them.
 # CPPFLAGS and LDFLAGS say where things are that are not in their usual places.
 set -eu
 cd "$(dirname "$0")/../.."
