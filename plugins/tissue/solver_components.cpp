@@ -77,8 +77,9 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
   describe_backend(d);
   d.link(
        "device", &AsyncPreconditioner::device,
-       "Conjugate gradients run there instead of on the CPU; the factors are still made here. For "
-       "ten thousand nodes and more, see docs/theory/opencl.md.")
+       "Conjugate gradients run there instead of on the CPU, and the matrix of corotational tets is "
+       "made there; the factors are still made here. For thousands of nodes, see "
+       "docs/theory/opencl.md.")
       .named_only();
   describe_outputs(d);
 }

@@ -32,8 +32,8 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
   d.attribute("dump_every", &GaussSeidel::dump_every_, at_least(0),
               "With `dump`: also every so many solves; 0: none.");
   d.link("device", &GaussSeidel::device_,
-         "Sweeps there instead of on the CPU; everything else of the solve stays. For hundreds of "
-         "blocks, see docs/theory/opencl.md.")
+         "Sweeps and large direct steps are made there instead of on the CPU; everything else of the "
+         "solve stays. For hundreds of blocks, see docs/theory/opencl.md.")
       .named_only();
   d.output("sweeps", "1", "Sweeps of the last step.",
            [](const GaussSeidel& s) { return Real(s.last_.sweeps); });

@@ -172,7 +172,7 @@ TEST_F(DeviceSweeps, DoTheDirectStepAsTheCpuDoes) {
       SCOPED_TRACE(std::to_string(samples) + " samples, " + std::to_string(pull) + " N");
       const ConstraintProblem stitch = test::stitch({.samples = samples, .pull = pull});
       ConstraintProblem ours = stitch, theirs = stitch, again = stitch;
-      BlockGaussSeidel cpu({.tolerance = 1e-9}), there = cpu;
+      BlockGaussSeidel cpu({.tolerance = 1e-8}), there = cpu;
       const SolveReport on_cpu = cpu.solve(ours);
       Sweeps sweeps(*device_, Precision::double_);
       Counted counted(sweeps, Precision::double_);
@@ -183,7 +183,7 @@ TEST_F(DeviceSweeps, DoTheDirectStepAsTheCpuDoes) {
       EXPECT_EQ(report.events, on_cpu.events);
       EXPECT_GT(counted.solved, 0);
       EXPECT_GE(counted.most, 100U);
-      EXPECT_LT(difference(theirs.lambda, ours.lambda), 1e-8);
+      EXPECT_LT(difference(theirs.lambda, ours.lambda), 1e-7);
       there.solve(again);
       EXPECT_TRUE(again.lambda == theirs.lambda) << "not the same bits";
     }
