@@ -75,6 +75,20 @@ void Assembly::find_force(const VecX& x, const NodePattern& pattern, VecX& force
   model_.elastic->add_force(x, force);
 }
 
+void Assembly::restore(const VecX& x, Real h, NodeMatrix& A, std::vector<Mat3>& rotations) {
+  if (ConjugateGradientDevice* const device = device_for(*A.pattern())) {
+    diagonal_.setZero(x.size());
+    if (device->assemble(moved(x), 1, diagonal_, unused_, rotations) &&
+        device->set_matrix(view_of(A), model_.held.fixed())) {
+      assembled_at_ = x;
+      assembled_for_ = h;
+      A.leave_there(*this);
+      return;
+    }
+  }
+  if (solver_.wants_rotations()) node_rotations(*model_.mesh, x, rotations);
+}
+
 void Assembly::bring(NodeMatrix& A) {
   if (solver_.device()->read_matrix(A.room())) return;
   linearise_here(assembled_at_, assembled_for_, A, unused_);  // the device has gone

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "node_rotations.h"
 #include "sutura/archive.h"
 
 namespace sutura::tissue {
@@ -73,7 +72,7 @@ void TissueStep::archive(Archive& a) {
   if (x_.size() != size || v_.size() != size || reaction_.size() != size ||
       linearised_at_.size() != size)
     return a.fail("the state of another mesh");
-  if (solver_.wants_rotations()) node_rotations(*model_.mesh, linearised_at_, node_rotations_);
+  is_restored_ = true;
 }
 
 /// The first guess: every node goes on with the velocity that it has.
@@ -98,6 +97,7 @@ void TissueStep::assemble(Real h, Index step) {
   assembly_.linearise(x_, h, A_, force_, node_rotations_);
   add_outer_forces();
   linearised_at_ = x_;
+  is_restored_ = false;
   outdated_ = false;
   if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_.report().message;
   ++linearisations_;
@@ -162,6 +162,8 @@ void TissueStep::linearise(const StepContext& context, const VecX& force) {
     assemble(context.dt, context.step);
     balance(context);
   } else if (first) {
+    if (is_restored_) assembly_.restore(linearised_at_, assembled_for_, A_, node_rotations_);
+    is_restored_ = false;
     solver_.prepare(A_, node_rotations_, context.step, true);
     solver_is_ready_ = true;
     evaluate_force();

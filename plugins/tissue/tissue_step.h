@@ -84,6 +84,7 @@ class TissueStep {
   NodeMatrix A_;
   VecX linearised_at_;            ///< positions at which A was made
   bool solver_is_ready_ = false;  ///< for this step
+  bool is_restored_ = false;      ///< A, whose rotations have to be found again
   Real asked_ = 0;                ///< of A by this pass (N s)
   bool outdated_ = false;         ///< A has not answered well since it was made
   Real assembled_for_ = 0;        ///< and the length of the step (s)
