@@ -9,7 +9,9 @@ namespace sutura::opencl {
 class SweepsAlone : public SweepDevice {
  public:
   SweepsAlone(Sweeps& sweeps, Precision precision)
-      : sweeps_(sweeps), rough_(precision != Precision::double_), digits_(has_double_sums(precision)) {}
+      : sweeps_(sweeps),
+        rough_(precision != Precision::double_),
+        digits_(has_double_sums(precision)) {}
   bool load(const ConstraintProblem& problem) override {
     why_not_ = sweeps_.load(problem);
     return why_not_.empty();

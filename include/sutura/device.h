@@ -22,12 +22,12 @@ class DeviceError : public std::runtime_error {
 /// Blocks that are free on their tangents (solve/subspace_step.h), with the W of the problem that
 /// was loaded: lambda = base + move y,  test^T (W lambda + d_free) + gap + compliance y = 0.
 struct TangentSystem {
-  std::span<const std::int32_t> first;           ///< entries of direction j: first[j] .. first[j + 1]
+  std::span<const std::int32_t> first;  ///< entries of direction j: first[j] .. first[j + 1]
   std::span<const std::int32_t> first_of_block;  ///< per direction: the first one of its block
   std::span<const std::int32_t> row;             ///< per entry
-  std::span<const Real> scale;       ///< per direction: of row and column, so that the diagonal is one
-  std::span<const Real> gap;         ///< per direction
-  std::span<const Real> compliance;  ///< max_block_dim per direction: its column in its block
+  std::span<const Real> scale;  ///< per direction: of row and column, so that the diagonal is one
+  std::span<const Real> gap;    ///< per direction
+  std::span<const Real> compliance;    ///< max_block_dim per direction: its column in its block
   std::span<const Real> base, d_free;  ///< per row of the problem
   std::span<const Real> move, test;    ///< per entry
   Real regularisation = 0;             ///< added to the diagonal once it is scaled

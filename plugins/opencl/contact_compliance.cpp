@@ -95,7 +95,7 @@ void ContactCompliance::add(const KnownCompliance& known, const SparseRows& rows
       const auto side = static_cast<Index>(count);
       using Numbers = std::remove_cvref_t<decltype(*from)>;
       const Eigen::Map<const Eigen::Matrix<Numbers, Eigen::Dynamic, Eigen::Dynamic>> all(from, side,
-                                                                                       side);
+                                                                                         side);
       W.block(rows.row.front(), rows.row.front(), side, side) += all.template cast<Real>();
       return;
     }

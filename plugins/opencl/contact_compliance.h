@@ -14,8 +14,7 @@ class ContactCompliance {
   ContactCompliance(const Device& device, Precision precision);
   ~ContactCompliance();
   /// As ConjugateGradientDevice has it. What is on the device of C stays there. Waits.
-  void add(const KnownCompliance& known, const SparseRows& rows, Real scale,
-           Eigen::Ref<MatX> W);
+  void add(const KnownCompliance& known, const SparseRows& rows, Real scale, Eigen::Ref<MatX> W);
 
  private:
   struct Program;

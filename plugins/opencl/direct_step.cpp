@@ -45,8 +45,8 @@ void DirectStep::solve(const TangentSystem& s, const Buffer& W, TangentAnswer& a
   integers_.write(host_integers_);
   reals_.write(host_reals_);
 
-  const std::size_t count = s.scale.size(), rows = s.base.size(),
-                    tiles = (count + tile - 1) / tile, numbers = tiles * (tiles + 1) * tile * tile;
+  const std::size_t count = s.scale.size(), rows = s.base.size(), tiles = (count + tile - 1) / tile,
+                    numbers = tiles * (tiles + 1) * tile * tile;
   for (Buffer& b : system_) b.reserve(numbers * sizeof(Real));
   delta_.reserve(rows * sizeof(Real));
   answer_.reserve((2 * count + rows) * sizeof(Real));

@@ -11,8 +11,8 @@ std::size_t at(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// For each of `count` things, the entries of `of` that are it, ascending; `name` says what an entry
-/// is called.
+/// For each of `count` things, the entries of `of` that are it, ascending; `name` says what an
+/// entry is called.
 template <class Name>
 void list_by(const std::vector<std::int32_t>& of, std::size_t count, const Name& name,
              std::vector<std::int32_t>& first, std::vector<std::int32_t>& list) {
@@ -90,8 +90,10 @@ void Elements::set(const TetElementsView& tets, const NodeMatrixView& pattern) {
   const std::vector<std::int32_t> node(tets.node.begin(), tets.node.end()),
       slot(tets.slot.begin(), tets.slot.end());
   std::vector<std::int32_t> first_corner, corner, first_part, part, diagonal_of(at(slots_), -1);
-  list_by(node, at(nodes_), [](std::size_t k) { return k; }, first_corner, corner);
-  list_by(slot, at(slots_), [](std::size_t k) { return 16 * (k / 10) + k % 10; }, first_part, part);
+  list_by(
+      node, at(nodes_), [](std::size_t k) { return k; }, first_corner, corner);
+  list_by(
+      slot, at(slots_), [](std::size_t k) { return 16 * (k / 10) + k % 10; }, first_part, part);
   for (std::int32_t i = 0; i < nodes_; ++i) diagonal_of[at(pattern.row_start[at(i)])] = i;
   node_.write(node);
   first_corner_.write(first_corner);

@@ -15,8 +15,8 @@ constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
 
 struct Gradients::Program {
   Program(const Device& device, Precision precision)
-      : program(device.build(definitions(precision) + programs::gradients,
-                             "-DITEMS=256 -DGROUPS=128")),
+      : program(
+            device.build(definitions(precision) + programs::gradients, "-DITEMS=256 -DGROUPS=128")),
         start(device, program, "start"),
         look(device, program, "look"),
         turn_back(device, program, "turn_back"),
@@ -253,8 +253,8 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
     p.look(items, items, iteration, static_cast<T>(tolerance), most, size2_, residual2_, status_);
   };
   look(0);
-  // The residual is on its way while the first kernels of the next iteration run already: the device
-  // does not wait. Once it is done, they return at once.
+  // The residual is on its way while the first kernels of the next iteration run already: the
+  // device does not wait. Once it is done, they return at once.
   Event known;
   for (int k = 1; k <= most + 1; ++k) {
     status_.read_later(&status[0], sizeof(status[0]), known);

@@ -38,9 +38,7 @@ class Solves {
   void entries_of_inverse(const std::vector<std::int32_t>& rows,
                           const std::vector<std::int32_t>& columns, Eigen::Ref<MatX> entries);
   const Schedule& schedule() const { return schedule_; }
-  std::size_t launches() const {
-    return 2 * (schedule_.tiers.size() + schedule_.levels.size());
-  }
+  std::size_t launches() const { return 2 * (schedule_.tiers.size() + schedule_.levels.size()); }
 
  private:
   struct Program;

@@ -7,7 +7,8 @@ void OpenClDevice::describe(Describe<OpenClDevice>& d) {
       "A GPU or another OpenCL device. A solver that names it in its attribute 'device' computes "
       "there; nothing else changes.");
   d.theory(
-      "GaussSeidel makes sweeps and direct steps on it, AsyncPreconditioner makes the matrix and runs "
+      "GaussSeidel makes sweeps and direct steps on it, AsyncPreconditioner makes the matrix and "
+      "runs "
       "its conjugate gradients on it. Both still "
       "decide on the CPU, in double precision and with the laws themselves, when a problem is "
       "solved. `sutura describe --devices` lists the devices of a machine. docs/theory/opencl.md "

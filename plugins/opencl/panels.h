@@ -51,7 +51,7 @@ struct Schedule {
 
 inline constexpr int most_width = 1280;
 inline constexpr int tile_rows = 16, tile_columns = 8;  ///< of a task of a level
-inline constexpr int large_tile = 64;  ///< rows or columns of a task of setting up
+inline constexpr int large_tile = 64;                   ///< rows or columns of a task of setting up
 
 /// `tiers`: up to how many entries of the factor a subtree of each tier has, ascending.
 Schedule make_schedule(const SupernodalFactor& factor, std::span<const std::int64_t> tiers);

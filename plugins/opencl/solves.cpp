@@ -86,7 +86,8 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     row_of_ = factor.row_of;
     const auto values = static_cast<std::int64_t>(factor.value.size());
     std::array<std::int64_t, shares.size()> tiers{};
-    for (std::size_t t = 0; t < tiers.size(); ++t) tiers[t] = std::max(least[t], values / shares[t]);
+    for (std::size_t t = 0; t < tiers.size(); ++t)
+      tiers[t] = std::max(least[t], values / shares[t]);
     schedule_ = make_schedule(factor, tiers);
     panels_.write(schedule_.panels);
     gather_.write(schedule_.gather);
@@ -151,8 +152,7 @@ void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
                                 Eigen::Ref<MatX> entries) {
   assert(columns.size() <= most_columns && entries.rows() == static_cast<Index>(rows.size()));
   const std::size_t real = has_double_sums(precision_) ? 8 : 4, count = columns.size(),
-                    all = static_cast<std::size_t>(size_) * count,
-                    picked = rows.size() * count;
+                    all = static_cast<std::size_t>(size_) * count, picked = rows.size() * count;
   for (Buffer* buffer : {&many_[0], &many_[2], &many_[3]}) buffer->reserve(all * real);
   many_[1].reserve(static_cast<std::size_t>(left()) * count * real);
   positions_.write(columns);

@@ -17,13 +17,13 @@ class Assembly final : public MatrixSource {
 
   /// For a step of length h from these positions, until the next call.
   void begin(const VecX& start, Real h);
-  /// A <- (1 + h alpha) M + h^2 (K of supports) + (h^2 + h beta) (K of elements) at x; force <- that
-  /// of the elements (N). Rotations are found if the solver wants them.
+  /// A <- (1 + h alpha) M + h^2 (K of supports) + (h^2 + h beta) (K of elements) at x; force <-
+  /// that of the elements (N). Rotations are found if the solver wants them.
   void linearise(const VecX& x, Real h, NodeMatrix& A, VecX& force, std::vector<Mat3>& rotations);
   /// force <- that of the elements (N).
   void find_force(const VecX& x, const NodePattern& pattern, VecX& force);
-  /// A has been restored, as it was made at x: brings it to where it was made, and finds the rotations
-  /// there again, so that the run goes on with the same bits.
+  /// A has been restored, as it was made at x: brings it to where it was made, and finds the
+  /// rotations there again, so that the run goes on with the same bits.
   void restore(const VecX& x, Real h, NodeMatrix& A, std::vector<Mat3>& rotations);
   /// Of the matrix that was assembled last.
   void bring(NodeMatrix& A) override;

@@ -56,8 +56,8 @@ void turn_back(const NodeCompliance& compliance, const BodyRows& rows, std::vect
   turned.resize(rows.node.size());
   for (std::size_t e = 0; e < rows.node.size(); ++e) {
     const Eigen::Map<const Vec3> h(&rows.value[3 * e]);
-    turned[e] = compliance.now.empty() ? Vec3(h)
-                                       : Vec3(compliance.turn(rows.node[e]).transpose() * h);
+    turned[e] =
+        compliance.now.empty() ? Vec3(h) : Vec3(compliance.turn(rows.node[e]).transpose() * h);
   }
 }
 

@@ -23,7 +23,7 @@ struct NodeCompliance {
   using Matrix = Eigen::Map<const MatX, 0, Eigen::OuterStride<>>;
   /// Three rows and columns per known node, in the axes of the factor (m/N).
   Matrix C{nullptr, 0, 0, Eigen::OuterStride<>(1)};
-  std::span<const Index> number;  ///< per node: its place in C; -1: not known
+  std::span<const Index> number;    ///< per node: its place in C; -1: not known
   std::span<const Mat3> then, now;  ///< rotations per node, Q = now then^T; empty: the identity
 
   /// C is the upper left corner of `all`.

@@ -37,6 +37,7 @@ class SubspaceStep {
                   Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 
  private:
+  static constexpr Real regularisation = 1e-12;
   struct Entry {
     Index row;
     Real move, test;

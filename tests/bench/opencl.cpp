@@ -75,8 +75,8 @@ Limits measure_limits(const Device& device) {
 int main(int argc, char** argv) {
   using namespace sutura::opencl;
   const std::string part = argc > 4 ? argv[4] : "";
-  if (argc < 2 || (!part.empty() && part != "sweeps" && part != "gradients" && part != "step" && part != "kernels" &&
-                   part != "threads" && part != "accuracy")) {
+  if (argc < 2 || (!part.empty() && part != "sweeps" && part != "gradients" && part != "step" &&
+                   part != "kernels" && part != "threads" && part != "accuracy")) {
     std::fprintf(stderr,
                  "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES "
                  "[sweeps|gradients|step|kernels|threads|accuracy]]]\n");

@@ -58,7 +58,8 @@ TEST_F(DeviceContactCompliance, IsTheDenseProduct) {
         r.row.push_back(apart * i);
       }
       MatX W = MatX::Constant(apart * rows, apart * rows, 0.5), expected = W;
-      const MatX H = r.dense(known), product = 0.25 * H * all.topLeftCorner(known, known) * H.transpose();
+      const MatX H = r.dense(known),
+                 product = 0.25 * H * all.topLeftCorner(known, known) * H.transpose();
       for (Index i = 0; i < rows; ++i)
         for (Index j = 0; j < rows; ++j) expected(apart * i, apart * j) += product(i, j);
       there.add({id, all.data(), known, stride}, r.view(), 0.25, W);

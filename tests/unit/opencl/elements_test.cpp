@@ -73,8 +73,9 @@ class DeviceElements : public OnDevice {
   }
 };
 
-// Moved by 0.05 of a cell nothing is compressed by much; by 0.4, strains are as large as one, negative
-// eigenvalues are raised in both ways and tets are turned inside out; by 2, most of them are.
+// Moved by 0.05 of a cell nothing is compressed by much; by 0.4, strains are as large as one,
+// negative eigenvalues are raised in both ways and tets are turned inside out; by 2, most of them
+// are.
 TEST_F(DeviceElements, ForcesMatrixAndRotationsAreThoseOfTheCpu) {
   for (const Real far : {0.0, 0.05, 0.4, 2.0})
     for (const Real share : {0.0, 0.6})
