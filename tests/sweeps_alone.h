@@ -9,7 +9,9 @@ namespace sutura::opencl {
 class SweepsAlone : public SweepDevice {
  public:
   SweepsAlone(Sweeps& sweeps, Precision precision)
-      : sweeps_(sweeps), rough_(precision != Precision::double_) {}
+      : sweeps_(sweeps),
+        rough_(precision != Precision::double_),
+        digits_(has_double_sums(precision)) {}
   bool load(const ConstraintProblem& problem) override {
     why_not_ = sweeps_.load(problem);
     return why_not_.empty();
@@ -18,12 +20,17 @@ class SweepsAlone : public SweepDevice {
     sweeps_.sweep(problem, orders);
     return true;
   }
+  bool solve_tangents(const TangentSystem& system, TangentAnswer& answer) override {
+    if (!digits_) return false;
+    sweeps_.solve_tangents(system, answer);
+    return true;
+  }
   bool is_rough() const override { return rough_; }
   const std::string& why_not() const override { return why_not_; }
 
  private:
   Sweeps& sweeps_;
-  bool rough_;
+  bool rough_, digits_;
   std::string why_not_;
 };
 

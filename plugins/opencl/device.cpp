@@ -232,6 +232,12 @@ void Buffer::write(const void* data, std::size_t bytes) {
                  "writing to its memory");
 }
 
+void Buffer::write_at(std::size_t offset, const void* data, std::size_t bytes) {
+  device_->check(clEnqueueWriteBuffer(device_->queue(), memory_, CL_FALSE, offset, bytes, data, 0,
+                                      nullptr, nullptr),
+                 "writing to its memory");
+}
+
 void Buffer::read(void* data, std::size_t bytes, bool wait) const {
   if (bytes == 0) return;
   device_->check(clEnqueueReadBuffer(device_->queue(), memory_, wait ? CL_TRUE : CL_FALSE, 0, bytes,
@@ -244,7 +250,6 @@ void Buffer::read_later(void* data, std::size_t bytes, Event& read) const {
   device_->check(clEnqueueReadBuffer(device_->queue(), memory_, CL_FALSE, 0, bytes, data, 0,
                                      nullptr, &read.event_),
                  "reading from its memory");
-  device_->check(clFlush(device_->queue()), "sending it what to do");
 }
 
 Pinned::Pinned(const Device& device, std::size_t bytes) : device_(&device) {
@@ -264,7 +269,9 @@ Pinned::~Pinned() {
 }
 
 void Event::wait(const Device& device) {
-  if (event_ != nullptr) device.check(clWaitForEvents(1, &event_), "waiting for it");
+  if (event_ == nullptr) return;
+  device.check(clFlush(device.queue()), "sending it what to do");
+  device.check(clWaitForEvents(1, &event_), "waiting for it");
 }
 
 void Event::forget() {

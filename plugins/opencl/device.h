@@ -84,6 +84,8 @@ class Buffer {
   void reserve(std::size_t bytes);
   /// `data` must stay as it is until something is read.
   void write(const void* data, std::size_t bytes);
+  /// Likewise, into what it has room for, from this byte on.
+  void write_at(std::size_t offset, const void* data, std::size_t bytes);
   /// Waits until that and everything that was asked of the device before is done; without `wait`,
   /// the next one that waits does.
   void read(void* data, std::size_t bytes, bool wait = true) const;

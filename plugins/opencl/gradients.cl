@@ -1,7 +1,9 @@
 // Conjugate gradients: r, z, p, q = A p and x stay on the device. Sums over all nodes are made by
 // GROUPS groups of ITEMS items, each of which leaves one number; whoever needs the sum adds these up
 // in the same order. Once the iteration is `done` the kernels that are still to come have no nodes:
-// x stays as it is. `number` is the type of the factor, `real` of all else but the matrix.
+// x stays as it is.
+
+#define GROUP kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void
 
 typedef struct {
   int done;        // nothing is to be done any more
@@ -50,25 +52,20 @@ void row_product(int i, global const int* row_start, global const int* entries,
   }
 }
 
-// r <- b - A x, zero where fixed.
-GROUP start(int nodes, global const int* row_start, global const int* entries,
-            global const int* columns, global const store* values, global const uchar* is_fixed,
-            global const real* b, global real* x, global real* r, global real* size2,
-            global real* residual2) {
+// x <- 0, r <- b, zero where fixed.
+GROUP start(int nodes, global const uchar* is_fixed, global const real* b, global real* x,
+            global real* r, global real* size2, global real* residual2) {
   local real sums[ITEMS];
-  real bb = 0, rr = 0;
-  for (int i = get_global_id(0); i < nodes; i += get_global_size(0)) {
-    real q[3];
-    row_product(i, row_start, entries, columns, values, x, q);
+  real bb = 0;
+  for (int i = get_global_id(0); i < nodes; i += get_global_size(0))
     for (int k = 0; k < 3; ++k) {
-      const real mine = is_fixed[i] ? 0 : b[3 * i + k], left = is_fixed[i] ? 0 : mine - q[k];
-      r[3 * i + k] = left;
+      const real mine = is_fixed[i] ? 0 : b[3 * i + k];
+      x[3 * i + k] = 0;
+      r[3 * i + k] = mine;
       bb += mine * mine;
-      rr += left * left;
     }
-  }
   leave_sum(bb, size2, sums);
-  leave_sum(rr, residual2, sums);
+  leave_sum(bb, residual2, sums);
 }
 
 // `iteration` 0: before the first one. One group.

@@ -16,9 +16,7 @@ constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
 struct Gradients::Program {
   Program(const Device& device, Precision precision)
       : program(
-            device.build(definitions(precision) + "typedef float number;\n" + programs::solves +
-                             programs::gradients,
-                         "-DITEMS=256 -DGROUPS=128 -DMOST_WIDTH=" + std::to_string(most_width))),
+            device.build(definitions(precision) + programs::gradients, "-DITEMS=256 -DGROUPS=128")),
         start(device, program, "start"),
         look(device, program, "look"),
         turn_back(device, program, "turn_back"),
@@ -35,11 +33,14 @@ Gradients::Gradients(const Device& device, Precision precision)
     : device_(device),
       precision_(precision),
       solves_(device, precision),
+      elements_(device, precision),
+      contacts_(device, precision),
       full_start_(device),
       entries_(device),
       columns_(device),
       is_fixed_(device),
       values_(device),
+      then_(device),
       turns_(device),
       row_of_(device),
       position_(device),
@@ -56,7 +57,7 @@ Gradients::Gradients(const Device& device, Precision precision)
       rz_{Buffer(device), Buffer(device)},
       pq_(device),
       status_(device),
-      statuses_(device, 3 * sizeof(GradientStatus<double>)) {}
+      statuses_(device, 2 * sizeof(GradientStatus<double>)) {}
 
 Gradients::~Gradients() {
   device_.drain();
@@ -81,6 +82,11 @@ void Gradients::write_reals(Buffer& to, const Real* from, std::size_t count) {
 }
 
 void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed) {
+  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
+  if (A.nodes == nodes_ && std::ranges::equal(A.row_start, row_start_) &&
+      std::ranges::equal(A.column, column_) &&
+      std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
+    return;
   nodes_ = static_cast<int>(A.nodes);
   row_start_.assign(A.row_start.begin(), A.row_start.end());
   column_.assign(A.column.begin(), A.column.end());
@@ -120,11 +126,7 @@ void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed
 }
 
 void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
-  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
-  if (A.nodes != nodes_ || !std::ranges::equal(A.row_start, row_start_) ||
-      !std::ranges::equal(A.column, column_) ||
-      !std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
-    set_pattern(A, fixed);
+  set_pattern(A, fixed);
   const std::size_t count = 9 * column_.size();
   if (stores_double(precision_))
     write_as<double>(values_, A.values, count);
@@ -133,7 +135,27 @@ void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed)
   device_.finish();  // of the values: the matrix may go before anything is read
 }
 
+void Gradients::set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                             std::span<const char> fixed) {
+  set_pattern(pattern, fixed);
+  elements_.set(tets, pattern);
+  values_.reserve(9 * column_.size() * (stores_double(precision_) ? 8 : 4));
+}
+
+void Gradients::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                         std::vector<Mat3>& rotations) {
+  elements_.assemble(moved, scale, diagonal, values_, force, rotations);
+}
+
+void Gradients::read_matrix(std::span<Real> values) {
+  if (stores_double(precision_)) return values_.read(values.data(), values.size_bytes());
+  rounded_.resize(values.size());
+  values_.read(rounded_);
+  std::copy(rounded_.begin(), rounded_.end(), values.begin());
+}
+
 void Gradients::set_factor(const SupernodalFactor& factor) {
+  then_is_there_ = false;
   solves_.set_factor(factor);
   row_of_.write(factor.row_of);
   known_position_.assign(static_cast<std::size_t>(3 * nodes_), -1);
@@ -151,6 +173,16 @@ void Gradients::set_turns(std::span<const Mat3> turns) {
   device_.finish();
 }
 
+void Gradients::find_turns(std::span<const Mat3> of_factor) {
+  if (!then_is_there_) {
+    write_reals(then_, of_factor.front().data(), 9 * of_factor.size());
+    device_.finish();
+    then_is_there_ = true;
+  }
+  turns_.reserve(9 * of_factor.size() * (has_double_sums(precision_) ? 8 : 4));
+  elements_.find_turns(then_, turns_);
+}
+
 void Gradients::entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                                    Eigen::Ref<MatX> entries) {
   const auto find = [&](std::span<const Index> unknowns, std::vector<std::int32_t>& positions) {
@@ -159,9 +191,9 @@ void Gradients::entries_of_inverse(std::span<const Index> rows, std::span<const 
       positions.push_back(known_position_[static_cast<std::size_t>(i)]);
   };
   find(rows, entry_rows_);
-  for (std::size_t first = 0; first < columns.size(); first += Solves::columns) {
+  for (std::size_t first = 0; first < columns.size(); first += Solves::most_columns) {
     const std::size_t count =
-        std::min(static_cast<std::size_t>(Solves::columns), columns.size() - first);
+        std::min(static_cast<std::size_t>(Solves::most_columns), columns.size() - first);
     find(columns.subspan(first, count), entry_columns_);
     solves_.entries_of_inverse(
         entry_rows_, entry_columns_,
@@ -175,32 +207,36 @@ void Gradients::product() {
 }
 
 void Gradients::precondition(const Buffer& rz) {
-  const auto size = static_cast<cl_int>(solves_.size());
+  begin_preconditioning();
+  finish_preconditioning(rz);
+}
+
+void Gradients::begin_preconditioning() {
+  const auto size = static_cast<cl_int>(solves_.unknowns());
   program_->turn_back(static_cast<std::size_t>(size), items, size, row_of_, turns_, r_, factor_b_,
                       status_);
-  solves_.solve(factor_b_, factor_x_, status_);
+  solves_.forward_small(factor_b_, factor_x_, status_);
+}
+
+void Gradients::finish_preconditioning(const Buffer& rz) {
+  solves_.finish(factor_b_, factor_x_, status_);
   program_->turn(groups * items, items, nodes_, position_, turns_, factor_x_, r_, z_, rz, status_);
 }
 
 template <class T>
-GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b,
-                                    const Eigen::Ref<const VecX>& x) {
-  auto* status = new (statuses_.data()) GradientStatus<T>[3];
-  status_.write(&status[2], sizeof(status[2]));
-  const auto rows = static_cast<std::size_t>(3 * nodes_);
-  write_as<T>(b_, b.data(), rows);
-  write_as<T>(x_, x.data(), rows);
-  program_->start(groups * items, items, nodes_, full_start_, entries_, columns_, values_,
-                  is_fixed_, b_, x_, r_, size2_, residual2_);
+GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b) {
+  auto* status = new (statuses_.data()) GradientStatus<T>[2];
+  status_.write(&status[1], sizeof(status[1]));
+  write_as<T>(b_, b.data(), static_cast<std::size_t>(3 * nodes_));
+  program_->start(groups * items, items, nodes_, is_fixed_, b_, x_, r_, size2_, residual2_);
   return status;
 }
 
 void Gradients::begin(const Eigen::Ref<const VecX>& b) {
-  const VecX x = VecX::Zero(b.size());
   if (has_double_sums(precision_))
-    start<double>(b, x);
+    start<double>(b);
   else
-    start<float>(b, x);
+    start<float>(b);
   device_.finish();
 }
 
@@ -210,30 +246,28 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
                                                       Index max_iterations) {
   const auto rows = static_cast<std::size_t>(3 * nodes_);
   const auto most = static_cast<int>(max_iterations);
-  GradientStatus<T>* status = start<T>(b, x);
+  GradientStatus<T>* status = start<T>(b);
   Program& p = *program_;
   constexpr std::size_t all = groups * items;
   const auto look = [&](int iteration) {
     p.look(items, items, iteration, static_cast<T>(tolerance), most, size2_, residual2_, status_);
   };
   look(0);
-  // One iteration ahead of what is known of the last: the device never waits. Once it is done, the
-  // kernels of the one too many return at once.
-  Event known[2];
-  status_.read_later(&status[0], sizeof(status[0]), known[0]);
-  int last = 0;
-  for (int k = 1; k <= most; ++k) {
-    precondition(rz_[k & 1]);
+  // The residual is on its way while the first kernels of the next iteration run already: the
+  // device does not wait. Once it is done, they return at once.
+  Event known;
+  for (int k = 1; k <= most + 1; ++k) {
+    status_.read_later(&status[0], sizeof(status[0]), known);
+    begin_preconditioning();
+    known.wait(device_);
+    if (status[0].done) break;
+    finish_preconditioning(rz_[k & 1]);
     p.direction(all, items, k == 1 ? 1 : 0, static_cast<cl_int>(rows), rz_[k & 1], rz_[(k & 1) ^ 1],
                 z_, p_, status_);
     product();
     p.advance(all, items, static_cast<cl_int>(rows), rz_[k & 1], pq_, p_, q_, x_, r_, residual2_,
               status_);
     look(k);
-    status_.read_later(&status[k & 1], sizeof(status[0]), known[k & 1]);
-    known[(k & 1) ^ 1].wait(device_);
-    last = k;
-    if (status[(k & 1) ^ 1].done) break;
   }
   if constexpr (std::is_same_v<T, Real>) {
     x_.read(x.data(), rows * sizeof(T));
@@ -242,7 +276,7 @@ ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const Vec
     x_.read(rounded_);
     for (std::size_t i = 0; i < rows; ++i) x[static_cast<Index>(i)] = rounded_[i];
   }
-  const GradientStatus<T>& end = status[last & 1];
+  const GradientStatus<T>& end = status[0];
   ConjugateGradientDevice::Report report;
   report.iterations = end.iterations;
   report.residual =

@@ -1,7 +1,7 @@
 # The text of the kernels becomes part of the plugin: a run needs no file beside it.
 set(SUTURA_OPENCL_PROGRAMS ${CMAKE_CURRENT_BINARY_DIR}/opencl_programs.cpp)
 set(programs "namespace sutura::opencl::programs {\n")
-foreach(name laws sweep solves many_solves gradients batch batch_solve)
+foreach(name laws sweep solves gradients elements compliance direct_step batch batch_solve)
   set(file ${CMAKE_CURRENT_SOURCE_DIR}/opencl/${name}.cl)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
   file(READ ${file} text)

@@ -7,8 +7,9 @@ void OpenClDevice::describe(Describe<OpenClDevice>& d) {
       "A GPU or another OpenCL device. A solver that names it in its attribute 'device' computes "
       "there; nothing else changes.");
   d.theory(
-      "GaussSeidel sweeps on it, AsyncPreconditioner runs its conjugate gradients on it. Both "
-      "still "
+      "GaussSeidel makes sweeps and direct steps on it, AsyncPreconditioner makes the matrix and "
+      "runs "
+      "its conjugate gradients on it. Both still "
       "decide on the CPU, in double precision and with the laws themselves, when a problem is "
       "solved. `sutura describe --devices` lists the devices of a machine. docs/theory/opencl.md "
       "says how it works and from which size on it pays.");
@@ -78,9 +79,53 @@ bool OpenClDevice::sweep(ConstraintProblem& problem, std::span<const std::uint32
   });
 }
 
+bool OpenClDevice::solve_tangents(const TangentSystem& system, TangentAnswer& answer) {
+  return has_double_sums(in_use_) && attempt([&] {
+           sweeps_->solve_tangents(system, answer);
+           return std::string();
+         });
+}
+
 bool OpenClDevice::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
   return attempt([&] {
     gradients_->set_matrix(A, fixed);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                                std::span<const char> fixed) {
+  return attempt([&] {
+    gradients_->set_elements(tets, pattern, fixed);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::set_viscosity(const VecX& moved, Real share) {
+  return attempt([&] {
+    gradients_->set_viscosity(moved, share);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                            std::vector<Mat3>& rotations) {
+  return attempt([&] {
+    gradients_->assemble(moved, scale, diagonal, force, rotations);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::element_force(const VecX& moved, VecX& force) {
+  return attempt([&] {
+    gradients_->element_force(moved, force);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::read_matrix(std::span<Real> values) {
+  return attempt([&] {
+    gradients_->read_matrix(values);
     return std::string();
   });
 }
@@ -99,6 +144,13 @@ bool OpenClDevice::set_turns(std::span<const Mat3> turns) {
   });
 }
 
+bool OpenClDevice::find_turns(std::span<const Mat3> of_factor) {
+  return attempt([&] {
+    gradients_->find_turns(of_factor);
+    return std::string();
+  });
+}
+
 bool OpenClDevice::solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                          Index max_iterations, ConjugateGradientDevice::Report& report) {
   return attempt([&] {
@@ -111,6 +163,14 @@ bool OpenClDevice::entries_of_inverse(std::span<const Index> rows, std::span<con
                                       Eigen::Ref<MatX> entries) {
   return attempt([&] {
     gradients_->entries_of_inverse(rows, columns, entries);
+    return std::string();
+  });
+}
+
+bool OpenClDevice::add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                                  Eigen::Ref<MatX> W) {
+  return attempt([&] {
+    gradients_->add_compliance(known, rows, scale, W);
     return std::string();
   });
 }

@@ -29,16 +29,28 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
 
   bool load(const ConstraintProblem& problem) override;
   bool sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) override;
+  bool solve_tangents(const TangentSystem& system, TangentAnswer& answer) override;
   bool is_rough() const override { return in_use_ != Precision::double_; }
 
   bool claim() override { return !std::exchange(claimed_, true); }
   bool set_matrix(const NodeMatrixView& A, std::span<const char> fixed) override;
+  bool set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
+                    std::span<const char> fixed) override;
+  bool set_viscosity(const VecX& moved, Real share) override;
+  bool assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
+                std::vector<Mat3>& rotations) override;
+  bool element_force(const VecX& moved, VecX& force) override;
+  bool read_matrix(std::span<Real> values) override;
   bool set_factor(const SupernodalFactor& factor) override;
   bool set_turns(std::span<const Mat3> turns) override;
+  bool find_turns(std::span<const Mat3> of_factor) override;
   bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
              Index max_iterations, ConjugateGradientDevice::Report& report) override;
   bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                           Eigen::Ref<MatX> entries) override;
+
+  bool add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
+                      Eigen::Ref<MatX> W) override;
 
   const std::string& why_not() const override { return why_not_; }
   /// The device, null where there is none. For tests, which lose it.

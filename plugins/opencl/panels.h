@@ -4,7 +4,8 @@
 // the rows below. Solving forward, a panel gathers from the panels whose rows below end in its
 // front (its children) what they leave, solves its columns and leaves the rest to its own parent:
 // nothing is added by two at once, so the sums have one order. Small subtrees are the work of one
-// group each; above them all panels whose children are done are worked on together, level by level.
+// group each: first the smallest, then what is left of larger ones, tier by tier; above them all
+// panels whose children are done are worked on together, level by level.
 #pragma once
 
 #include <array>
@@ -22,7 +23,7 @@ struct Panel {
   std::int32_t row;                   ///< its rows in the list of all
   std::int32_t below;                 ///< what it leaves, in the list of all
   std::int32_t front;                 ///< its front, in the list of all
-  std::int32_t inverse;               ///< of its columns, width x width
+  std::int32_t z;                     ///< its numbers as solves.cl has them, height x width
 };
 
 /// A group's work: a panel and which part of it.
@@ -30,21 +31,29 @@ using Task = std::array<std::int32_t, 2>;
 
 struct Schedule {
   std::vector<Panel> panels;
-  std::vector<std::int32_t> gather_start, gather;    ///< per row of a front: entries of `below`
+  /// Per row of a front: which entries of `below` it gathers. Where there are more than four, the
+  /// last is -2 - k: from gather_more[k] on, ended by -1. Entry below_size is always zero.
+  std::vector<std::array<std::int32_t, 4>> gather;
+  std::vector<std::int32_t> gather_more;
   std::vector<std::int32_t> subtree_start, subtree;  ///< panels of each, children first
+  struct Range {
+    std::int32_t first, count;
+  };
+  std::vector<Range> tiers;  ///< of subtrees; each after those before it
   struct Level {
-    std::int32_t first_rows, rows, first_below, below;  ///< tasks of the way forward
-    std::int32_t first_columns, columns;                ///< and back
+    Range rows, columns;  ///< tasks of the way forward and back
   };
   std::vector<Level> levels;
-  std::vector<Task> row_tasks, below_tasks, column_tasks;
-  std::int64_t below_size = 0, inverse_size = 0;
+  std::vector<Task> rows, columns;
+  std::vector<Task> triangles, below;  ///< of setting up: tiles on the diagonal, tiles below
+  std::int64_t below_size = 0, z_size = 0;
 };
 
-inline constexpr int most_width = 512;
-inline constexpr int tile_rows = 64, tile_columns = 8;  ///< of a task
+inline constexpr int most_width = 1280;
+inline constexpr int tile_rows = 16, tile_columns = 8;  ///< of a task of a level
+inline constexpr int large_tile = 64;                   ///< rows or columns of a task of setting up
 
-/// `subtree_values`: entries of the factor that make a subtree large.
-Schedule make_schedule(const SupernodalFactor& factor, std::int64_t subtree_values);
+/// `tiers`: up to how many entries of the factor a subtree of each tier has, ascending.
+Schedule make_schedule(const SupernodalFactor& factor, std::span<const std::int64_t> tiers);
 
 }  // namespace sutura::opencl

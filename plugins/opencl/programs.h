@@ -6,8 +6,10 @@ namespace sutura::opencl::programs {
 extern const char* const laws;
 extern const char* const sweep;
 extern const char* const solves;
-extern const char* const many_solves;
 extern const char* const gradients;
+extern const char* const elements;
+extern const char* const compliance;
+extern const char* const direct_step;
 extern const char* const batch;
 extern const char* const batch_solve;
 

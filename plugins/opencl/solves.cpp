@@ -1,33 +1,45 @@
 // Solving with a supernodal factor: upload, schedule, launches.
 #include <algorithm>
+#include <array>
+#include <cassert>
 
 #include "gradients.h"
+#include "programs.h"
 #include "solves_program.h"
 
 namespace sutura::opencl {
 namespace {
 
 constexpr std::size_t items = 256;
-constexpr std::int64_t least_subtree = 20000, subtrees = 600;  // so that all units have some
+/// Subtrees of the tiers: shares of the factor, and the least number of entries. So that all units
+/// have some, and that a group does not go through many panels.
+constexpr std::array<std::int64_t, 3> shares{9600, 2400, 600};
+constexpr std::array<std::int64_t, 3> least{1500, 6000, 20000};
+
+/// Numbers of a front that fit into local memory.
+constexpr int front = 2560;
+
+std::string sizes() {
+  return "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width) +
+         " -DFRONT=" + std::to_string(front);
+}
 
 }  // namespace
 
-cl_program build_solves(const Device& device, Precision precision, bool rough, const char* more) {
-  return device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
-                          " number;\n" + programs::solves + more,
-                      "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width));
-}
-
 Solves::Program::Program(const Device& device, Precision precision, bool rough)
     : rough(rough),
-      program(build_solves(device, precision, rough, "")),
-      invert(device, program, "invert"),
-      rows(device, program, "solve_rows"),
-      below(device, program, "solve_below"),
-      back_below(device, program, "solve_back_below"),
-      back_columns(device, program, "solve_back_columns"),
+      program(device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
+                               " number;\n" + programs::solves,
+                           sizes())),
+      invert_tiles(device, program, "invert_tiles"),
+      invert_columns(device, program, "invert_columns"),
+      multiply_below(device, program, "multiply_below"),
+      forward(device, program, "solve_forward"),
+      back(device, program, "solve_back"),
       subtrees(device, program, "solve_subtrees"),
-      back_subtrees(device, program, "solve_back_subtrees") {}
+      back_subtrees(device, program, "solve_back_subtrees"),
+      units(device, program, "many_units"),
+      entries(device, program, "many_entries") {}
 
 Solves::Program::~Program() {
   clReleaseProgram(program);
@@ -37,18 +49,24 @@ Solves::Solves(const Device& device, Precision precision)
     : device_(device),
       precision_(precision),
       panels_(device),
-      gather_start_(device),
       gather_(device),
+      gather_more_(device),
       rows_(device),
       subtree_start_(device),
       subtree_(device),
       row_tasks_(device),
-      below_tasks_(device),
       column_tasks_(device),
+      triangle_tasks_(device),
+      multiply_tasks_(device),
       value_(device),
-      inverse_(device),
+      z_(device),
       below_(device),
-      y_(device) {}
+      y_(device),
+      not_done_(device),
+      many_{Buffer(device), Buffer(device), Buffer(device), Buffer(device)},
+      positions_(device),
+      rows_wanted_(device),
+      picked_(device) {}
 
 Solves::~Solves() = default;
 
@@ -67,16 +85,20 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     row_.assign(factor.row.begin(), factor.row.end());
     row_of_ = factor.row_of;
     const auto values = static_cast<std::int64_t>(factor.value.size());
-    schedule_ = make_schedule(factor, std::max(least_subtree, values / subtrees));
+    std::array<std::int64_t, shares.size()> tiers{};
+    for (std::size_t t = 0; t < tiers.size(); ++t)
+      tiers[t] = std::max(least[t], values / shares[t]);
+    schedule_ = make_schedule(factor, tiers);
     panels_.write(schedule_.panels);
-    gather_start_.write(schedule_.gather_start);
     gather_.write(schedule_.gather);
+    gather_more_.write(schedule_.gather_more);
     rows_.write(row_);
     subtree_start_.write(schedule_.subtree_start);
     subtree_.write(schedule_.subtree);
-    row_tasks_.write(schedule_.row_tasks);
-    below_tasks_.write(schedule_.below_tasks);
-    column_tasks_.write(schedule_.column_tasks);
+    row_tasks_.write(schedule_.rows);
+    column_tasks_.write(schedule_.columns);
+    triangle_tasks_.write(schedule_.triangles);
+    multiply_tasks_.write(schedule_.below);
   }
   const std::size_t number = rough ? 4 : 8, real = has_double_sums(precision_) ? 8 : 4;
   std::vector<float> rounded;
@@ -88,37 +110,73 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     rounded.assign(factor.value.begin(), factor.value.end());
     value_.write(rounded);
   }
-  inverse_.reserve(static_cast<std::size_t>(schedule_.inverse_size) * number);
+  z_.reserve(static_cast<std::size_t>(schedule_.z_size) * number);
   below_.reserve((static_cast<std::size_t>(schedule_.below_size) + 2) * real);
+  const double nothing = 0;
+  below_.write_at(static_cast<std::size_t>(schedule_.below_size) * real, &nothing, real);
   y_.reserve(static_cast<std::size_t>(size_) * real);
-  if (!schedule_.panels.empty())
-    program_->invert(schedule_.panels.size() * items, items, panels_, value_, inverse_);
+  const cl_int no[4] = {};
+  not_done_.write(no, sizeof(no));
+  Program& p = *program_;
+  p.invert_tiles(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
+  p.invert_columns(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
+  p.multiply_below(schedule_.below.size() * items, items, multiply_tasks_, panels_, value_, z_);
   device_.finish();  // the factor may change from now on
 }
 
-void Solves::solve(const Buffer& b, const Buffer& x, const Buffer& done) {
+void Solves::forward_small(const Sides& s) {
+  for (const Schedule::Range& t : schedule_.tiers)
+    program_->subtrees(groups(t, s), items, t.first, t.count, size(), left(), subtree_start_,
+                       subtree_, panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
+}
+
+void Solves::finish(const Sides& s) {
   Program& p = *program_;
-  const std::size_t trees = schedule_.subtree_start.size() - 1;
-  const auto groups = [](std::int32_t tasks) { return static_cast<std::size_t>(tasks) * items; };
-  if (trees > 0)
-    p.subtrees(trees * items, items, subtree_start_, subtree_, panels_, gather_start_, gather_,
-               value_, inverse_, b, below_, y_, done);
-  for (const Schedule::Level& l : schedule_.levels) {
-    p.rows(groups(l.rows), items, l.first_rows, row_tasks_, panels_, gather_start_, gather_,
-           inverse_, b, below_, y_, done);
-    p.below(groups(l.below), items, l.first_below, below_tasks_, panels_, gather_start_, gather_,
-            value_, b, below_, y_, done);
-  }
+  for (const Schedule::Level& l : schedule_.levels)
+    p.forward(groups(l.rows, s), items, l.rows.first, l.rows.count, size(), left(), row_tasks_,
+              panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
-    const Schedule::Level& l = schedule_.levels[n];
-    p.back_below(groups(l.columns), items, l.first_columns, column_tasks_, panels_, rows_, value_,
-                 y_, x, done);
-    p.back_columns(groups(l.columns), items, l.first_columns, column_tasks_, panels_, inverse_, y_,
-                   x, done);
+    const Schedule::Range& l = schedule_.levels[n].columns;
+    p.back(groups(l, s), items, l.first, l.count, size(), column_tasks_, panels_, rows_, z_, s.y,
+           s.x, s.done);
   }
-  if (trees > 0)
-    p.back_subtrees(trees * items, items, subtree_start_, subtree_, panels_, rows_, value_,
-                    inverse_, y_, x, done);
+  for (std::size_t n = schedule_.tiers.size(); n-- > 0;) {
+    const Schedule::Range& t = schedule_.tiers[n];
+    p.back_subtrees(groups(t, s), items, t.first, t.count, size(), subtree_start_, subtree_,
+                    panels_, rows_, z_, s.y, s.x, s.done);
+  }
+}
+
+void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
+                                const std::vector<std::int32_t>& columns,
+                                Eigen::Ref<MatX> entries) {
+  assert(columns.size() <= most_columns && entries.rows() == static_cast<Index>(rows.size()));
+  const std::size_t real = has_double_sums(precision_) ? 8 : 4, count = columns.size(),
+                    all = static_cast<std::size_t>(size_) * count, picked = rows.size() * count;
+  for (Buffer* buffer : {&many_[0], &many_[2], &many_[3]}) buffer->reserve(all * real);
+  many_[1].reserve(static_cast<std::size_t>(left()) * count * real);
+  positions_.write(columns);
+  rows_wanted_.write(rows);
+  const auto sides = static_cast<cl_int>(count);
+  program_->units(all, items, size(), sides, left(), static_cast<cl_int>(schedule_.below_size),
+                  positions_, many_[0], many_[1]);
+  const Sides s{many_[0], many_[1], many_[2], many_[3], not_done_, sides};
+  forward_small(s);
+  finish(s);
+  picked_.reserve(picked * real);
+  program_->entries(picked, items, static_cast<cl_int>(rows.size()), sides, size(), rows_wanted_,
+                    many_[3], picked_);
+  const auto take = [&](auto& numbers) {
+    numbers.resize(picked);
+    picked_.read(numbers);
+    for (std::size_t c = 0; c < count; ++c)
+      for (std::size_t r = 0; r < rows.size(); ++r)
+        entries(static_cast<Index>(r), static_cast<Index>(c)) = numbers[c * rows.size() + r];
+  };
+  if (has_double_sums(precision_))
+    take(doubles_);
+  else
+    take(floats_);
 }
 
 }  // namespace sutura::opencl

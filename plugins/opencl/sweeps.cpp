@@ -54,6 +54,7 @@ Sweeps::Sweeps(const Device& device, Precision precision, Index in_one_group)
       precision_(precision),
       in_one_group_(static_cast<int>(
           std::min({in_one_group, Index{1024}, static_cast<Index>(device.largest_group())}))),
+      direct_(device, precision),
       raw_(device),
       W_(device),
       diagonal_(device),

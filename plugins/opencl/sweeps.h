@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "device.h"
+#include "direct_step.h"
 #include "precision.h"
 #include "sutura/constraints.h"
 
@@ -28,6 +29,11 @@ class Sweeps {
   std::string load(const ConstraintProblem& problem);
   /// One for every blocks.size() entries of `orders`.
   void sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders);
+
+  /// With double sums only.
+  void solve_tangents(const TangentSystem& system, TangentAnswer& answer) {
+    direct_.solve(system, raw_, answer);
+  }
 
   // The parts of `sweep`, for benchmarks: what is sent, what is computed, what comes back.
   void send(const ConstraintProblem& problem, std::span<const std::uint32_t> orders);
@@ -57,6 +63,7 @@ class Sweeps {
   int in_one_group_;
   int blocks_ = 0, rows_ = 0, dim_ = 1, stride_ = 0;
   std::vector<std::unique_ptr<Program>> programs_;
+  DirectStep direct_;
 
   Buffer raw_, W_, diagonal_, inverses_, laws_, dims_, first_row_, first_parameter_, parameters_,
       orders_, changes_, state_, modes_;

@@ -80,10 +80,8 @@ void AsyncSolver::prepare(const NodeMatrix& A, std::span<const Mat3> rotations, 
 bool AsyncSolver::give_to_device(bool same_matrix) {
   const auto give = [&] {
     if (!current_) return false;
-    const NodePattern& pattern = *pattern_;
-    const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(), A_->values()};
-    const bool is_there = same_matrix && on_device_;
-    if (!is_there && !device_->set_matrix(view, fixed_)) return false;
+    const bool is_there = A_->is_there() || (same_matrix && on_device_);
+    if (!is_there && !device_->set_matrix(view_of(*A_), fixed_)) return false;
     if (device_factor_ != current_->factor.get() || device_snapshot_ != current_->snapshot->step) {
       SupernodalFactor factor;
       if (!current_->factor->supernodes(factor)) {
@@ -94,6 +92,7 @@ bool AsyncSolver::give_to_device(bool same_matrix) {
       device_factor_ = current_->factor.get();
       device_snapshot_ = current_->snapshot->step;
     }
+    if (A_->is_there()) return device_->find_turns(current_->snapshot->rotations);
     return device_->set_turns(warped_.turns());
   };
   const bool given = give();
@@ -104,7 +103,6 @@ bool AsyncSolver::give_to_device(bool same_matrix) {
 /// answered_ <- A^-1 asked_. False if the CPU shall do it.
 bool AsyncSolver::solve_on_device(Real tolerance) {
   ConjugateGradientDevice::Report r;
-  answered_.setZero();
   if (!device_->solve(asked_, answered_, tolerance, options_.max_iterations, r)) {
     report_.complain(device_->why_not());
     on_device_ = false;
@@ -196,6 +194,7 @@ void AsyncSolver::adopt(std::unique_ptr<SnapshotFactor> fresh) {
   }
   if (current_) spare_ = std::move(current_);
   current_ = std::move(fresh);
+  ++compliance_id_;
   report_.adopted_at = step_;
   adoptions_.push_back({step_, current_->snapshot->step});
 }
@@ -297,7 +296,19 @@ void AsyncSolver::entries_of_inverse(std::span<const Index> rows, std::span<cons
 }
 
 NodeCompliance AsyncSolver::compliance() const {
-  return current_ ? current_->compliance.view(warped_.turns()) : NodeCompliance{};
+  return current_ ? current_->compliance.view(current_->snapshot->rotations, rotations_)
+                  : NodeCompliance{};
+}
+
+bool AsyncSolver::add_on_device(const SparseRows& rows, Real scale, Eigen::Ref<MatX> W) {
+  if (!on_device_ || !current_) return false;
+  const NodeCompliance::Matrix C = compliance().C;
+  if (device_->add_compliance({compliance_id_, C.data(), C.rows(), C.outerStride()}, rows, scale,
+                              W))
+    return true;
+  report_.complain(device_->why_not());
+  on_device_ = false;
+  return false;
 }
 
 }  // namespace sutura::tissue

@@ -57,12 +57,14 @@ class AsyncSolver : public TissueSolver {
   void renew() override { renew_ = true; }
   void solve(Eigen::Ref<MatX> columns, Real enough = 0) override;
   void solve_as_compliance(Eigen::Ref<MatX> columns) override;
+  ConjugateGradientDevice* device() override { return device_; }
   Index nodes() const override { return pattern_->nodes(); }
   bool is_fixed(Index node) const override {
     return !fixed_.empty() && fixed_[static_cast<std::size_t>(node)];
   }
   Index touch(std::span<const Index> nodes) override;
   NodeCompliance compliance() const override;
+  bool add_on_device(const SparseRows& rows, Real scale, Eigen::Ref<MatX> W) override;
   const TissueSolveReport& report() const override { return report_; }
 
   void archive(Archive& archive) override;
@@ -108,6 +110,7 @@ class AsyncSolver : public TissueSolver {
   bool on_device_ = false;                 ///< matrix and factor of this step are there
   const Factor* device_factor_ = nullptr;  ///< the one that is there
   Index device_snapshot_ = -1;
+  Index compliance_id_ = 0;  ///< another one for every factor in use
   Pcg pcg_;
   RecentSolutions recent_;
   WarpedFactor warped_;

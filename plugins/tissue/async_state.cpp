@@ -7,6 +7,10 @@ namespace sutura::tissue {
 
 void NodeMatrix::archive(Archive& a) {
   const std::size_t size = values_.size();
+  if (a.restoring())
+    is_here_ = !(is_there_ = false);
+  else
+    bring();
   a("values", values_);
   if (values_.size() == size) return;
   values_.assign(size, 0);
@@ -111,6 +115,7 @@ void AsyncSolver::archive(Archive& a) {
   };
   if (in_use) {
     current_ = job_of(std::move(in_use));
+    ++compliance_id_;
     current_->factorise(plan_);
     if (!current_->ok) a.fail("the factor in use cannot be made again");
     current_->compliance.learn_again(std::move(learnt));

@@ -57,13 +57,42 @@ NodeMatrix::NodeMatrix(std::shared_ptr<const NodePattern> pattern)
     : pattern_(std::move(pattern)),
       values_(static_cast<std::size_t>(9 * pattern_->slots() + 1), Real(0)) {}
 
+NodeMatrix::NodeMatrix(const NodeMatrix& other) : pattern_(other.pattern_) {
+  *this = other;
+}
+
+NodeMatrix& NodeMatrix::operator=(const NodeMatrix& other) {
+  if (this == &other) return *this;
+  other.bring();
+  pattern_ = other.pattern_;
+  values_ = other.values_;
+  is_there_ = false;
+  is_here_ = true;
+  return *this;
+}
+
+void NodeMatrix::leave_there(MatrixSource& source) {
+  source_ = &source;
+  is_there_ = true;
+  is_here_ = false;
+}
+
+/// The numbers are what they were: a matrix that was left there is still the same.
+void NodeMatrix::bring() const {
+  if (is_here_) return;
+  is_here_ = true;
+  source_->bring(const_cast<NodeMatrix&>(*this));
+}
+
 void NodeMatrix::set_zero() {
+  is_here_ = true;
+  is_there_ = false;
   std::fill(values_.begin(), values_.end(), Real(0));
 }
 
 void NodeMatrix::add_diagonal(std::span<const Real> m, Real scale) {
   for (Index i = 0; i < nodes(); ++i) {
-    Real* d = values_.data() + 9 * pattern_->diagonal(i);
+    Real* d = values() + 9 * pattern_->diagonal(i);
     const Real s = scale * m[static_cast<std::size_t>(i)];
     d[0] += s;
     d[4] += s;
@@ -74,7 +103,7 @@ void NodeMatrix::add_diagonal(std::span<const Real> m, Real scale) {
 Mat3 NodeMatrix::block(Index i, Index j) const {
   const Index s = slot(std::min(i, j), std::max(i, j));
   if (s < 0) return Mat3::Zero();
-  const Eigen::Map<const Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> b(values_.data() + 9 * s);
+  const Eigen::Map<const Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>> b(values() + 9 * s);
   return i <= j ? Mat3(b) : Mat3(b.transpose());
 }
 
@@ -102,11 +131,12 @@ void NodeMatrix::multiply(const VecX& x, VecX& y) const {
   };
   const std::int32_t* start = pattern_->row_start().data();
   const std::int32_t* column = pattern_->column().data();
+  const Real* values = this->values();
   for (std::size_t i = 0; i < n; ++i) {
     // Row i collects block * x_j in registers; the transposed block adds to y_j at once.
     const Lanes xi = in[i].at;
     const Lanes x0 = Lanes{} + xi[0], x1 = Lanes{} + xi[1], x2 = Lanes{} + xi[2];
-    const Real* b = values_.data() + 9 * static_cast<std::size_t>(start[i]);
+    const Real* b = values + 9 * static_cast<std::size_t>(start[i]);
     Lanes y0 = row(b) * xi, y1 = row(b + 3) * xi, y2 = row(b + 6) * xi;
     for (std::int32_t k = start[i] + 1; k < start[i + 1]; ++k) {
       b += 9;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "sutura/device.h"
 #include "sutura/types.h"
 
 namespace sutura {
@@ -40,10 +41,23 @@ class NodePattern {
 std::vector<std::array<Index, 2>> pairs_of_elements(std::span<const Index> element_nodes,
                                                     Index size);
 
+class NodeMatrix;
+
+/// Who has made the numbers of a matrix on a device.
+class MatrixSource {
+ public:
+  virtual ~MatrixSource() = default;
+  /// Brings them here, or makes them again.
+  virtual void bring(NodeMatrix& A) = 0;
+};
+
 /// Not called BlockMatrix: that is the matrix of one constraint block (sutura/law.h).
 class NodeMatrix {
  public:
   explicit NodeMatrix(std::shared_ptr<const NodePattern> pattern);
+  /// A copy has its own numbers, here.
+  NodeMatrix(const NodeMatrix& other);
+  NodeMatrix& operator=(const NodeMatrix& other);
   NodeMatrix(Index nodes, std::span<const std::array<Index, 2>> pairs)
       : NodeMatrix(std::make_shared<NodePattern>(nodes, pairs)) {}
 
@@ -52,8 +66,20 @@ class NodeMatrix {
   Index slot(Index i, Index j) const { return pattern_->slot(i, j); }
 
   /// Nine numbers per slot, the rows of block (i, j), i <= j; the block (j, i) is its transpose.
-  Real* values() { return values_.data(); }
-  const Real* values() const { return values_.data(); }
+  Real* values() {
+    bring();
+    is_there_ = false;
+    return values_.data();
+  }
+  const Real* values() const {
+    bring();
+    return values_.data();
+  }
+  /// The numbers are on a device; `source` brings them when somebody reads them.
+  void leave_there(MatrixSource& source);
+  bool is_there() const { return is_there_; }
+  /// Where the source puts them.
+  std::span<Real> room() { return {values_.data(), values_.size() - 1}; }
   void set_zero();
   /// A += scale * m I on the diagonal block of every node; `m` per node.
   void add_diagonal(std::span<const Real> m, Real scale);
@@ -64,8 +90,19 @@ class NodeMatrix {
   void multiply(const VecX& x, VecX& y) const;
 
  private:
+  void bring() const;
+
   std::shared_ptr<const NodePattern> pattern_;
   std::vector<Real> values_;  ///< 9 per slot, and one more: rows are read four numbers at a time
+  MatrixSource* source_ = nullptr;
+  bool is_there_ = false;
+  mutable bool is_here_ = true;
 };
+
+/// For a device.
+inline NodeMatrixView view_of(const NodeMatrix& A) {
+  const NodePattern& p = *A.pattern();
+  return {p.nodes(), p.row_start(), p.column(), A.values()};
+}
 
 }  // namespace sutura::tissue

@@ -51,18 +51,39 @@ void add_solved_rows(TissueSolver& solver, const BodyRows& rows, const std::vect
   }
 }
 
-/// Rows of candidates only: W += h^2 (H Q) C (H Q)^T.
-void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
-                        const std::vector<char>& is_outside, Real dt, Eigen::Ref<MatX> W) {
-  const NodeCompliance::Matrix& C = compliance.C;
-  thread_local std::vector<Vec3> turned;  // Q^T h, per entry; keeps its memory
-  thread_local GrowingVec y;
+/// Q^T h, per entry.
+void turn_back(const NodeCompliance& compliance, const BodyRows& rows, std::vector<Vec3>& turned) {
   turned.resize(rows.node.size());
   for (std::size_t e = 0; e < rows.node.size(); ++e) {
     const Eigen::Map<const Vec3> h(&rows.value[3 * e]);
     turned[e] =
-        compliance.turn.empty() ? Vec3(h) : Vec3(compliance.turn[at(rows.node[e])].transpose() * h);
+        compliance.now.empty() ? Vec3(h) : Vec3(compliance.turn(rows.node[e]).transpose() * h);
   }
+}
+
+/// All rows, of candidates only, on the device of the solver. False: they are to be added here.
+bool add_rows_on_device(TissueSolver& solver, const NodeCompliance& compliance,
+                        const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) {
+  constexpr Index few = 100;  // rows, which take less time here than on the way there
+  if (solver.device() == nullptr || rows.size() < few) return false;
+  thread_local std::vector<Vec3> turned;
+  thread_local std::vector<std::int32_t> first, place;
+  turn_back(compliance, rows, turned);
+  first.assign(rows.start.begin(), rows.start.end());
+  place.clear();
+  for (const Index node : rows.node)
+    place.push_back(static_cast<std::int32_t>(compliance.number[at(node)]));
+  return solver.add_on_device({first, place, {turned.front().data(), 3 * turned.size()}, rows.row},
+                              dt * dt, W);
+}
+
+/// Rows of candidates only: W += h^2 (H Q) C (H Q)^T.
+void add_candidate_rows(const NodeCompliance& compliance, const BodyRows& rows,
+                        const std::vector<char>& is_outside, Real dt, Eigen::Ref<MatX> W) {
+  const NodeCompliance::Matrix& C = compliance.C;
+  thread_local std::vector<Vec3> turned;  // keeps its memory
+  thread_local GrowingVec y;
+  turn_back(compliance, rows, turned);
   y.resize(C.rows());
   for (Index r = 0; r < rows.size(); ++r) {
     if (is_outside[at(r)]) continue;
@@ -216,6 +237,7 @@ Index add_tissue_compliance(TissueSolver& solver, const BodyRows& rows, Real dt,
     add_candidate_rows(solved.compliance(solver), rows, is_outside, dt, W);
     return learnt + static_cast<Index>(solved.unknowns());
   }
+  if (outside.empty() && add_rows_on_device(solver, compliance, rows, dt, W)) return learnt;
   if (compliance.C.size() > 0) add_candidate_rows(compliance, rows, is_outside, dt, W);
   if (!outside.empty())
     add_solved_rows(solver, rows, outside, is_outside, 3 * solver.nodes(), dt, W);

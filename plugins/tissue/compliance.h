@@ -23,12 +23,16 @@ struct NodeCompliance {
   using Matrix = Eigen::Map<const MatX, 0, Eigen::OuterStride<>>;
   /// Three rows and columns per known node, in the axes of the factor (m/N).
   Matrix C{nullptr, 0, 0, Eigen::OuterStride<>(1)};
-  std::span<const Index> number;  ///< per node: its place in C; -1: not known
-  std::span<const Mat3> turn;     ///< per node: Q; empty: the identity
+  std::span<const Index> number;    ///< per node: its place in C; -1: not known
+  std::span<const Mat3> then, now;  ///< rotations per node, Q = now then^T; empty: the identity
 
   /// C is the upper left corner of `all`.
   void see(const MatX& all, Index size) {
     new (&C) Matrix(all.data(), size, size, Eigen::OuterStride<>(all.rows()));
+  }
+  Mat3 turn(Index node) const {
+    const auto i = static_cast<std::size_t>(node);
+    return now.empty() ? Mat3(Mat3::Identity()) : Mat3(now[i] * then[i].transpose());
   }
   bool is_known(Index node) const {
     return C.size() > 0 && number[static_cast<std::size_t>(node)] >= 0;

@@ -37,6 +37,7 @@ std::vector<std::array<Index, 2>> CorotationalT4::pairs() const {
 }
 
 void CorotationalT4::bind(const NodePattern& pattern) {
+  ++revision_;
   for (Pack& p : packs_)
     for (int k = 0; k < lanes; ++k) {
       int s = 0;
@@ -51,12 +52,35 @@ void CorotationalT4::bind(const NodePattern& pattern) {
 
 void CorotationalT4::set_materials(const std::vector<Material>& per_tet) {
   assert(per_tet.size() == sorted_.size());
+  ++revision_;
   for (std::size_t e = 0; e < per_tet.size(); ++e) {
     Pack& p = packs_[e / lanes];
     const int k = static_cast<int>(e % lanes);
     p.mu[k] = per_tet[e].lame_mu() * p.volume[k];
     p.lambda[k] = per_tet[e].lame_lambda() * p.volume[k];
   }
+}
+
+bool CorotationalT4::tets(TetElementsView& view, Index& revision) {
+  Listed& l = listed_;
+  if (listed_revision_ != revision_) {
+    l = {};
+    for (std::size_t e = 0; e < sorted_.size(); ++e) {
+      const Pack& p = packs_[e / lanes];
+      const int k = static_cast<int>(e % lanes);
+      for (int c = 0; c < 4; ++c) l.node.push_back(p.node[c][k]);
+      for (int s = 0; s < 10; ++s) l.slot.push_back(p.slot[s][k]);
+      for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 3; ++i) l.gradient.push_back(p.gradient[c][i][k]);
+      l.volume.push_back(p.volume[k]);
+      l.moduli.push_back(p.mu[k]);
+      l.moduli.push_back(p.lambda[k]);
+    }
+    listed_revision_ = revision_;
+  }
+  view = {l.node, l.slot, l.gradient, l.volume, l.moduli};
+  revision = revision_;
+  return true;
 }
 
 void CorotationalT4::deformation_gradient(const Pack& p, const VecX& x, Small3<Lanes>& F) const {

@@ -24,6 +24,7 @@ class CorotationalT4 final : public ElasticModel {
   void set_viscosity(const VecX& start, Real share) override;
   void add_force(const VecX& x, VecX& force) const override;
   Real energy(const VecX& x) const override;
+  bool tets(TetElementsView& view, Index& revision) override;
 
  private:
   /// Four tets side by side, their nodes sorted so that every block (a, b), a < b, is an upper one.
@@ -48,6 +49,14 @@ class CorotationalT4 final : public ElasticModel {
   std::vector<Pack> packs_;
   Real viscous_share_ = 0;
   std::vector<std::array<Index, 4>> sorted_;  ///< nodes of each tet, ascending
+
+  /// The same tets one after the other, for a device; empty until it asks.
+  struct Listed {
+    std::vector<std::int32_t> node, slot;
+    std::vector<Real> gradient, volume, moduli;
+  };
+  Listed listed_;
+  Index revision_ = 0, listed_revision_ = -1;
 };
 
 }  // namespace sutura::tissue

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "block_matrix.h"
+#include "sutura/device.h"
 #include "sutura/types.h"
 
 namespace sutura::tissue {
@@ -41,6 +42,9 @@ class ElasticModel {
   virtual void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) = 0;
   /// force += -dE/dx (N), alone.
   virtual void add_force(const VecX& x, VecX& force) const = 0;
+  /// For a device, after `bind` and `set_materials`; false if it is another element. `revision`
+  /// changes when the numbers do.
+  virtual bool tets(TetElementsView&, Index& /*revision*/) { return false; }
   /// Elastic energy (J).
   virtual Real energy(const VecX& x) const = 0;
 };

@@ -91,12 +91,14 @@ Index GrowingCompliance::learn(std::span<const Index> nodes, std::span<const cha
   return solved;
 }
 
-NodeCompliance GrowingCompliance::view(std::span<const Mat3> turn) const {
+NodeCompliance GrowingCompliance::view(std::span<const Mat3> then,
+                                       std::span<const Mat3> now) const {
   if (known_ == 0) return {};
   NodeCompliance out;
   out.see(C_, 3 * known_);
   out.number = number_;
-  out.turn = turn;
+  out.then = then;
+  out.now = now;
   return out;
 }
 

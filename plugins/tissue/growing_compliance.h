@@ -38,8 +38,8 @@ class GrowingCompliance {
   /// Returns the number of columns that were solved for.
   Index learn(std::span<const Index> nodes, std::span<const char> fixed, const Entries& entries);
 
-  /// `turn`: per node, since the factor was made.
-  NodeCompliance view(std::span<const Mat3> turn) const;
+  /// Rotations per node, as NodeCompliance has them.
+  NodeCompliance view(std::span<const Mat3> then, std::span<const Mat3> now) const;
 
   const LearntNodes& learnt() const { return learnt_; }
   /// By the next `learn`, before anything else.

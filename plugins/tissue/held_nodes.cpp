@@ -77,6 +77,12 @@ void HeldNodes::add_stiffness(Real scale, NodeMatrix& A) const {
         A.values()[9 * A.slot(s.node, s.node) + 4 * k] += scale * stiffness_;
 }
 
+void HeldNodes::add_stiffness(Real scale, VecX& diagonal) const {
+  for (const Support& s : supports_)
+    for (Index k = 0; k < 3; ++k)
+      if (s.along[static_cast<std::size_t>(k)]) diagonal[3 * s.node + k] += scale * stiffness_;
+}
+
 Real HeldNodes::energy(const VecX& x) const {
   Real sum = 0;
   for (const Support& s : supports_)

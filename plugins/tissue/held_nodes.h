@@ -41,6 +41,7 @@ class HeldNodes {
   void add_force(const VecX& x, VecX& force) const;
   /// A += scale * their stiffness.
   void add_stiffness(Real scale, NodeMatrix& A) const;
+  void add_stiffness(Real scale, VecX& diagonal) const;
   Real energy(const VecX& x) const;         ///< J
   Real squared_force(const VecX& x) const;  ///< sum over the supports (N^2)
   /// The part of a force on a node that no support takes.

@@ -38,11 +38,21 @@ void WarpedFactor::set(const Factor& factor, std::span<const Mat3> then, std::sp
   assert(then.size() == now.size());
   factor_ = &factor;
   rough_ = rough;
-  turn_.resize(now.size());
-  for (std::size_t i = 0; i < now.size(); ++i) turn_[i] = now[i] * then[i].transpose();
+  then_ = then;
+  now_ = now;
+  turns_are_known_ = false;
+}
+
+std::span<const Mat3> WarpedFactor::turns() const {
+  if (turns_are_known_) return turn_;
+  turns_are_known_ = true;
+  turn_.resize(now_.size());
+  for (std::size_t i = 0; i < now_.size(); ++i) turn_[i] = now_[i] * then_[i].transpose();
+  return turn_;
 }
 
 void WarpedFactor::apply(Eigen::Ref<MatX> columns) const {
+  turns();
   for (Index c = 0; c < columns.cols(); ++c)
     for (std::size_t i = 0; i < turn_.size(); ++i) {
       auto v = columns.col(c).segment<3>(3 * static_cast<Index>(i));

@@ -35,16 +35,18 @@ class BlockJacobi : public Preconditioner {
 /// Q_i = R_i(now) R_i(then)^T. A body that only rotated since then is preconditioned exactly.
 class WarpedFactor : public Preconditioner {
  public:
-  /// `rough`: by Factor::solve_roughly.
+  /// `rough`: by Factor::solve_roughly. All are kept by reference.
   void set(const Factor& factor, std::span<const Mat3> then, std::span<const Mat3> now,
            bool rough = false);
   void apply(Eigen::Ref<MatX> columns) const override;
-  std::span<const Mat3> turns() const { return turn_; }
+  std::span<const Mat3> turns() const;
 
  private:
   const Factor* factor_ = nullptr;
   bool rough_ = false;
-  std::vector<Mat3> turn_;  ///< Q_i
+  std::span<const Mat3> then_, now_;
+  mutable std::vector<Mat3> turn_;       ///< Q_i
+  mutable bool turns_are_known_ = true;  ///< they are found when somebody asks
 };
 
 struct PcgReport {

@@ -75,10 +75,11 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
               "Age in steps that no factor should reach: at three quarters of it a new one is "
               "asked for, whatever the iterations.");
   describe_backend(d);
-  d.link(
-       "device", &AsyncPreconditioner::device,
-       "Conjugate gradients run there instead of on the CPU; the factors are still made here. For "
-       "ten thousand nodes and more, see docs/theory/opencl.md.")
+  d.link("device", &AsyncPreconditioner::device,
+         "Conjugate gradients run there instead of on the CPU, and the matrix of corotational tets "
+         "is "
+         "made there; the factors are still made here. For thousands of nodes, see "
+         "docs/theory/opencl.md.")
       .named_only();
   describe_outputs(d);
 }

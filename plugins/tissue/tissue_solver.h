@@ -7,6 +7,7 @@
 
 #include "block_matrix.h"
 #include "compliance.h"
+#include "sutura/device.h"
 #include "sutura/types.h"
 
 namespace sutura {
@@ -60,6 +61,8 @@ class TissueSolver {
   virtual void solve(Eigen::Ref<MatX> columns, Real enough = 0) = 0;
   /// Likewise, as `compliance` has it: with the factor in use.
   virtual void solve_as_compliance(Eigen::Ref<MatX> columns) = 0;
+  /// Where it solves, if that is a device: it may make the matrix as well.
+  virtual ConjugateGradientDevice* device() { return nullptr; }
   virtual Index nodes() const = 0;
   virtual bool is_fixed(Index node) const = 0;
   /// Constraints touch these nodes: their compliance will be asked for now, and probably in the
@@ -68,6 +71,10 @@ class TissueSolver {
   /// As of the factor in use, turned to now: exact for a direct solver, approximate (age,
   /// deformation) for an asynchronous one. C is empty if nothing is known.
   virtual NodeCompliance compliance() const = 0;
+  /// W += scale H C H^T on a device, C that of `compliance`; false: here.
+  virtual bool add_on_device(const SparseRows&, Real /*scale*/, Eigen::Ref<MatX> /*W*/) {
+    return false;
+  }
   virtual const TissueSolveReport& report() const = 0;
   /// After `analyse`.
   virtual void archive(Archive& archive) = 0;

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "node_rotations.h"
 #include "sutura/archive.h"
 
 namespace sutura::tissue {
@@ -21,6 +20,7 @@ TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& loa
       force_(v_),
       missing_(v_),
       change_(v_),
+      assembly_(model, solver),
       A_(std::move(pattern)),
       linearised_at_(x_),
       reaction_(v_) {
@@ -72,7 +72,7 @@ void TissueStep::archive(Archive& a) {
   if (x_.size() != size || v_.size() != size || reaction_.size() != size ||
       linearised_at_.size() != size)
     return a.fail("the state of another mesh");
-  if (solver_.wants_rotations()) node_rotations(*model_.mesh, linearised_at_, node_rotations_);
+  is_restored_ = true;
 }
 
 /// The first guess: every node goes on with the velocity that it has.
@@ -82,8 +82,7 @@ void TissueStep::begin(const StepContext& context) {
     start_v_ = v_;
     in_step_ = true;
   }
-  const Real beta = model_.damping_stiffness;
-  model_.elastic->set_viscosity(start_x_, beta / (context.dt + beta));
+  assembly_.begin(start_x_, context.dt);
   v_ = start_v_;
   // A fixed node keeps the velocity that it has: so it is given the one that leads to its target.
   model_.held.set_velocities(start_x_, context.dt, v_);
@@ -95,17 +94,13 @@ void TissueStep::begin(const StepContext& context) {
 
 /// A and f at the guess.
 void TissueStep::assemble(Real h, Index step) {
-  A_.set_zero();
-  force_.setZero();
-  model_.elastic->linearise(x_, h * h + h * model_.damping_stiffness, A_, force_);
-  model_.held.add_stiffness(h * h, A_);
+  assembly_.linearise(x_, h, A_, force_, node_rotations_);
   add_outer_forces();
-  A_.add_diagonal(model_.mass, 1 + h * model_.damping_mass);
   linearised_at_ = x_;
+  is_restored_ = false;
   outdated_ = false;
   if (linearisations_ > 0 && solver_trouble_.empty()) solver_trouble_ = solver_.report().message;
   ++linearisations_;
-  if (solver_.wants_rotations()) node_rotations(*model_.mesh, x_, node_rotations_);
   if (h != assembled_for_) solver_.renew();
   assembled_for_ = h;
   solver_.prepare(A_, node_rotations_, step);
@@ -113,8 +108,7 @@ void TissueStep::assemble(Real h, Index step) {
 }
 
 void TissueStep::evaluate_force() {
-  force_.setZero();
-  model_.elastic->add_force(x_, force_);
+  assembly_.find_force(x_, *A_.pattern(), force_);
   add_outer_forces();
 }
 
@@ -168,6 +162,8 @@ void TissueStep::linearise(const StepContext& context, const VecX& force) {
     assemble(context.dt, context.step);
     balance(context);
   } else if (first) {
+    if (is_restored_) assembly_.restore(linearised_at_, assembled_for_, A_, node_rotations_);
+    is_restored_ = false;
     solver_.prepare(A_, node_rotations_, context.step, true);
     solver_is_ready_ = true;
     evaluate_force();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "assembly.h"
 #include "sutura/body.h"
 #include "tissue_model.h"
 #include "tissue_solver.h"
@@ -79,9 +80,11 @@ class TissueStep {
   VecX change_;       ///< of the velocity, that answers it (m/s)
   Real at_work_ = 0;  ///< size of the forces there, when last measured (N)
 
+  Assembly assembly_;
   NodeMatrix A_;
   VecX linearised_at_;            ///< positions at which A was made
   bool solver_is_ready_ = false;  ///< for this step
+  bool is_restored_ = false;      ///< A, whose rotations have to be found again
   Real asked_ = 0;                ///< of A by this pass (N s)
   bool outdated_ = false;         ///< A has not answered well since it was made
   Real assembled_for_ = 0;        ///< and the length of the step (s)

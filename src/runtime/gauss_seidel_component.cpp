@@ -31,9 +31,10 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
               "converge (at most 100) and the slowest so far; empty: none.");
   d.attribute("dump_every", &GaussSeidel::dump_every_, at_least(0),
               "With `dump`: also every so many solves; 0: none.");
-  d.link("device", &GaussSeidel::device_,
-         "Sweeps there instead of on the CPU; everything else of the solve stays. For hundreds of "
-         "blocks, see docs/theory/opencl.md.")
+  d.link(
+       "device", &GaussSeidel::device_,
+       "Sweeps and large direct steps are made there instead of on the CPU; everything else of the "
+       "solve stays. For hundreds of blocks, see docs/theory/opencl.md.")
       .named_only();
   d.output("sweeps", "1", "Sweeps of the last step.",
            [](const GaussSeidel& s) { return Real(s.last_.sweeps); });

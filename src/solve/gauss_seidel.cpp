@@ -90,7 +90,6 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   SolveReport report;
   if (problem.blocks.empty()) return report;
   compliance_.prepare(problem);
-  subspace_.begin();
   random_ = options_.seed;
   order_.resize(problem.blocks.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});
@@ -102,6 +101,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   trouble_.clear();
   on_device_ = device_ != nullptr && device_->load(problem);
   if (device_ != nullptr && !on_device_) trouble_ = device_->why_not();
+  subspace_.begin(on_device_ ? device_ : nullptr);
 
   if (!problem.lambda.allFinite()) problem.lambda.setZero();
   compliance_.update_delta(problem);
@@ -122,8 +122,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     if (!converged && !softened && report.sweeps >= patience && redundant_.soften(problem)) {
       softened = true;
       compliance_.prepare(problem);
-      subspace_.begin();
       if (on_device_) on_device_ = device_->load(problem);
+      subspace_.begin(on_device_ ? device_ : nullptr);
       compliance_.update_delta(problem);
       residual = natural_map(problem, compliance_, lambda_plus_);
       pause = 0;
@@ -148,7 +148,10 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     const Real before = residual.value;
     if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
     Index swept = 0;
-    if (on_device_) swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
+    // With the direct step one sweep is often all: that takes the way to the device longer.
+    const bool direct = options_.acceleration == Acceleration::subspace;
+    if (on_device_ && (!direct || report.sweeps > 0))
+      swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
     if (swept == 0) {
       sweep(problem);
       swept = 1;

@@ -7,8 +7,16 @@
 
 namespace sutura {
 
-void SubspaceStep::begin() {
+namespace {
+
+/// Directions from which on a device is faster than the CPU (docs/theory/opencl.md).
+constexpr Index worth_a_device = 100;
+
+}  // namespace
+
+void SubspaceStep::begin(SweepDevice* device) {
   factored_ = false;
+  device_ = device;
 }
 
 void SubspaceStep::ask(const ConstraintProblem& problem, Compliance& compliance) {
@@ -144,7 +152,6 @@ bool SubspaceStep::factorise() {
   if (!scale_.allFinite()) return false;
   G.array().colwise() *= scale_.array();
   G.array().rowwise() *= scale_.transpose().array();
-  constexpr Real regularisation = 1e-12;
   G.diagonal().array() += regularisation;
   if (symmetric_) {
     Eigen::Ref<MatX, 0, Eigen::OuterStride<>> in_place(G);
@@ -160,11 +167,19 @@ bool SubspaceStep::factorise() {
   return true;
 }
 
-bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report) {
+/// lambda <- base + move y.
+void SubspaceStep::apply(ConstraintProblem& problem) const {
+  for (Index j = 0; j < y_.size(); ++j) {
+    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
+    for (std::size_t e = d.first; e < d.end; ++e)
+      problem.lambda[now_.entries[e].row] += now_.entries[e].move * y_[j];
+  }
+}
+
+bool SubspaceStep::solve_here(ConstraintProblem& problem, Compliance& compliance,
+                              SolveReport& report) {
   const auto f = static_cast<Index>(now_.directions.size());
-  problem.lambda = base_;
   compliance.update_delta(problem);
-  if (f == 0) return true;
   if (!unchanged()) {
     assemble(problem, compliance);
     ++report.factorisations;
@@ -174,7 +189,7 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
   }
   y_.resize(f);
   for (Index j = 0; j < f; ++j) y_[j] = -left_of(problem, j) * scale_[j];
-  const Real asked = y_.lpNorm<Eigen::Infinity>();
+  asked_of_system_ = y_.lpNorm<Eigen::Infinity>();
   if (symmetric_) {
     const auto L = matrix_.topLeftCorner(f, f);
     L.triangularView<Eigen::Lower>().solveInPlace(y_);
@@ -185,17 +200,16 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
     LU_.triangularView<Eigen::Upper>().solveInPlace(y_);
   }
   y_.array() *= scale_.array();
-  for (Index j = 0; j < f; ++j) {
-    const Direction& d = now_.directions[static_cast<std::size_t>(j)];
-    for (std::size_t e = d.first; e < d.end; ++e)
-      problem.lambda[now_.entries[e].row] += now_.entries[e].move * y_[j];
-  }
+  apply(problem);
   compliance.update_delta(problem);
+  return true;
+}
 
-  // Rows that contradict each other have no solution; the regularised one is huge and must not be
-  // taken.
+/// Rows that contradict each other have no solution; the regularised one is huge and must not be
+/// taken.
+bool SubspaceStep::is_solved(const ConstraintProblem& problem) const {
   Real left = 0;
-  for (Index j = 0; j < f; ++j) {
+  for (Index j = 0; j < y_.size(); ++j) {
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
     Real r = left_of(problem, j);
     const Index first = j - d.index;  // directions of one block are consecutive
@@ -205,7 +219,23 @@ bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, Sol
            y_[first + k];
     left = std::max(left, std::abs(r) * scale_[j]);
   }
-  return problem.lambda.allFinite() && left <= 1e-2 * asked;
+  return problem.lambda.allFinite() && left <= 1e-2 * asked_of_system_;
+}
+
+bool SubspaceStep::solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report) {
+  const auto f = static_cast<Index>(now_.directions.size());
+  problem.lambda = base_;
+  if (f == 0) {
+    compliance.update_delta(problem);
+    return true;
+  }
+  if (device_ != nullptr && f >= worth_a_device && solve_on_device(problem)) {
+    factored_ = false;  // nothing of this is kept
+    ++report.factorisations;
+    if (is_solved(problem)) return true;
+    problem.lambda = base_;  // there, rows are not exchanged
+  }
+  return solve_here(problem, compliance, report) && is_solved(problem);
 }
 
 Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
@@ -223,6 +253,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance
     residual = natural_map(problem, compliance, lambda_plus, &block_residual_);
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
+    if (!(residual.value > tolerance)) return residual;  // lambda and delta are those of the best
     const std::size_t wrong = change_states(problem, compliance, most);
     collect(problem);
     if (wrong < fewest) {

@@ -13,12 +13,15 @@
 
 #include "solve/law_residual.h"
 #include "sutura/constraints.h"
+#include "sutura/device.h"
 
 namespace sutura {
 
 class SubspaceStep {
  public:
-  void begin();  ///< a new problem: no factor of the last one is of use
+  /// A new problem: no factor of the last one is of use. `device`: it has the problem, and solves
+  /// large systems; null: all of them are solved here.
+  void begin(SweepDevice* device = nullptr);
 
   /// Takes the tangents of all laws at the present lambda and delta. Returns the number of free
   /// directions.
@@ -34,6 +37,7 @@ class SubspaceStep {
                   Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 
  private:
+  static constexpr Real regularisation = 1e-12;
   struct Entry {
     Index row;
     Real move, test;
@@ -69,6 +73,13 @@ class SubspaceStep {
   bool solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report);
   void assemble(const ConstraintProblem& problem, Compliance& compliance);
   bool factorise();
+  void find_scales(const ConstraintProblem& problem);
+  void apply(ConstraintProblem& problem) const;
+  /// From lambda = base: y, lambda and delta. False if the device cannot do it.
+  bool solve_on_device(ConstraintProblem& problem);
+  /// Likewise. False if there is no solution.
+  bool solve_here(ConstraintProblem& problem, Compliance& compliance, SolveReport& report);
+  bool is_solved(const ConstraintProblem& problem) const;
   /// test^T delta + gap of one direction.
   Real left_of(const ConstraintProblem& problem, Index direction) const;
 
@@ -96,8 +107,15 @@ class SubspaceStep {
   System now_, factored_with_;
   bool symmetric_ = true, factored_ = false;
   MatX matrix_;  // the leading part holds the system, then its factor
+  Real asked_of_system_ = 0;
   GrowingVec gap_, scale_, y_, column_, best_lambda_, start_lambda_, walk_from_, walk_way_;
   Residual best_;
+  SweepDevice* device_ = nullptr;
+  struct Sent {  // what the device is told of a system
+    std::vector<std::int32_t> first, row, first_of_block;
+    std::vector<Real> move, test;
+    TangentAnswer answer;
+  } sent_;
   GrowingMat LU_;           // where the system is not symmetric
   std::vector<int> swaps_;  // of its rows
   std::vector<Real> block_residual_, stops_;

@@ -2,7 +2,7 @@
 // them.
 //
 //   sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES
-//     [sweeps|gradients|step|threads|accuracy]]]
+//     [sweeps|gradients|step|kernels|threads|accuracy]]]
 #include <cstdio>
 #include <cstdlib>
 
@@ -76,10 +76,10 @@ int main(int argc, char** argv) {
   using namespace sutura::opencl;
   const std::string part = argc > 4 ? argv[4] : "";
   if (argc < 2 || (!part.empty() && part != "sweeps" && part != "gradients" && part != "step" &&
-                   part != "threads" && part != "accuracy")) {
+                   part != "kernels" && part != "threads" && part != "accuracy")) {
     std::fprintf(stderr,
                  "usage: sutura_bench_opencl OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES "
-                 "[sweeps|gradients|step|threads|accuracy]]]\n");
+                 "[sweeps|gradients|step|kernels|threads|accuracy]]]\n");
     return 1;
   }
   try {
@@ -92,7 +92,8 @@ int main(int argc, char** argv) {
     std::ofstream(out / "device.txt") << device.name() << '\n';
     const auto wanted = [&](const char* name) { return part.empty() || part == name; };
     bool done = true;
-    if (wanted("sweeps") || wanted("gradients") || wanted("step")) {
+    if (wanted("step")) done = bench_step(choice, out, most_nodes) && done;
+    if (wanted("sweeps") || wanted("gradients") || wanted("kernels")) {
       const Limits limits = measure_limits(device);
       std::printf(
           "launch %.1f us, launch and read %.1f us, barrier of 320 items %.3f us, reading %.0f "
@@ -100,7 +101,7 @@ int main(int argc, char** argv) {
           limits.launch, limits.round_trip, limits.barrier, limits.bandwidth / 1000);
       if (wanted("sweeps")) done = bench_sweeps(device, limits, out) && done;
       if (wanted("gradients")) done = bench_gradients(device, limits, out, most_nodes) && done;
-      if (wanted("step")) done = bench_step(choice, limits, out, most_nodes) && done;
+      if (wanted("kernels")) done = bench_step_kernels(choice, limits, out, most_nodes) && done;
     }
     if (wanted("threads")) done = bench_threads(device, out) && done;
     if (wanted("accuracy"))

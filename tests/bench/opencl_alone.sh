@@ -2,7 +2,7 @@
 # The OpenCL benchmark on a machine that has a device but neither CMake nor the libraries of the rest: g++, Eigen and
 # OpenCL's headers and loader are enough. With CHOLMOD and METIS, conjugate gradients are measured too.
 #   tests/bench/opencl_alone.sh OUT_DIR [PART OF A DEVICE'S NAME [MOST NODES [PART]]]
-# PART: sweeps, gradients, step, threads or accuracy; left out, all of them.
+# PART: sweeps, gradients, step, kernels, threads or accuracy; left out, all of them.
 # CPPFLAGS and LDFLAGS say where things are that are not in their usual places.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -11,7 +11,7 @@ objects=$1/objects
 
 {
   echo 'namespace sutura::opencl::programs {'
-  for name in laws sweep solves many_solves gradients batch batch_solve; do
+  for name in laws sweep solves gradients elements compliance direct_step batch batch_solve; do
     printf 'extern const char* const %s;\nconst char* const %s = R"cl(' $name $name
     cat plugins/opencl/$name.cl
     echo ')cl";'
@@ -29,7 +29,7 @@ fi
 
 tissue="block_matrix pcg factor factor_cholmod factor_eigen factor_order dense_inverse corotational_t4 smoothed_t4
   node_rotations rotation twist_stiffness async_solver async_factor async_state compliance
-  growing_compliance held_nodes tissue_step"
+  growing_compliance held_nodes assembly tissue_step"
 thread="block_tridiagonal chain_motion element rod rod_guess rod_tangent stretches viscosity"
 {
   ls tests/bench/opencl*.cpp src/solve/*.cpp src/base/*.cpp "$objects/programs.cpp"

@@ -51,8 +51,9 @@ bool bench_sweeps(const Device& device, const Limits& limits, const std::filesys
 bool bench_gradients(const Device& device, const Limits& limits, const std::filesystem::path& out,
                      Index most_nodes);
 /// Whole steps of a tissue under 300 contacts: tables, step.csv and step_kernels.csv.
-bool bench_step(const DeviceChoice& choice, const Limits& limits, const std::filesystem::path& out,
-                Index most_nodes);
+bool bench_step(const DeviceChoice& choice, const std::filesystem::path& out, Index most_nodes);
+bool bench_step_kernels(const DeviceChoice& choice, const Limits& limits,
+                        const std::filesystem::path& out, Index most_nodes);
 /// What the precisions cost in accuracy; any device will do. sweeps_accuracy.csv,
 /// gradients_accuracy.csv, compliance_accuracy.csv.
 bool bench_sweeps_accuracy(const Device& device, const std::filesystem::path& out);

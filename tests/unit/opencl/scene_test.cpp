@@ -46,6 +46,20 @@ TEST_F(DeviceScene, ForcesAreThoseOfTheCpu) {
   EXPECT_GT(largest, 0.4) << "there is something to compare";
 }
 
+// The matrix that a saved state brings along goes back to where it was made.
+TEST_F(DeviceScene, ARestoredRunRepeatsTheBits) {
+  TextRun run = TextRun::file(scene, {{"/gpu.on_failure", "stop"}}),
+          other = TextRun::file(scene, {{"/gpu.on_failure", "stop"}});
+  for (int i = 0; i < 15; ++i) run.simulation().step();
+  ASSERT_EQ(other.simulation().restore(run.simulation().save()), "");
+  for (int i = 0; i < 6; ++i) {
+    run.simulation().step();
+    other.simulation().step();
+    EXPECT_EQ(run.number("/block/tissue", "energy"), other.number("/block/tissue", "energy")) << i;
+  }
+  EXPECT_GT(run.number("/block/tissue", "energy"), 0);
+}
+
 TEST_F(DeviceScene, ALostDeviceIsSaidAndTheStepIsSolved) {
   TextRun run = TextRun::file(scene);
   for (int i = 0; i < 30; ++i) run.simulation().step();

@@ -151,6 +151,70 @@ TEST_F(DeviceSweeps, SolveAStitchInEveryPrecision) {
   }
 }
 
+/// Counts what the device is asked for.
+class Counted : public SweepsAlone {
+ public:
+  using SweepsAlone::SweepsAlone;
+  bool solve_tangents(const TangentSystem& system, TangentAnswer& answer) override {
+    ++solved;
+    most = std::max(most, system.scale.size());
+    return SweepsAlone::solve_tangents(system, answer);
+  }
+  int solved = 0;
+  std::size_t most = 0;
+};
+
+// 150 rows and more of a thread that is almost free, whose sweeps alone would not end; systems of
+// sizes that fill their tiles and of others. Only rounding differs, times the condition of W.
+TEST_F(DeviceSweeps, DoTheDirectStepAsTheCpuDoes) {
+  for (const int samples : {50, 64, 101})
+    for (const Real pull : {0.1, 0.3}) {
+      SCOPED_TRACE(std::to_string(samples) + " samples, " + std::to_string(pull) + " N");
+      const ConstraintProblem stitch = test::stitch({.samples = samples, .pull = pull});
+      ConstraintProblem ours = stitch, theirs = stitch, again = stitch;
+      BlockGaussSeidel cpu({.tolerance = 1e-8}), there = cpu;
+      const SolveReport on_cpu = cpu.solve(ours);
+      Sweeps sweeps(*device_, Precision::double_);
+      Counted counted(sweeps, Precision::double_);
+      there.set_device(&counted);
+      const SolveReport report = there.solve(theirs);
+      EXPECT_TRUE(on_cpu.converged) << on_cpu.residual;
+      EXPECT_TRUE(report.converged) << report.residual << ", CPU " << on_cpu.residual;
+      EXPECT_EQ(report.events, on_cpu.events);
+      EXPECT_GT(counted.solved, 0);
+      EXPECT_GE(counted.most, 100U);
+      EXPECT_LT(difference(theirs.lambda, ours.lambda), 1e-7);
+      there.solve(again);
+      EXPECT_TRUE(again.lambda == theirs.lambda) << "not the same bits";
+    }
+}
+
+// Rows that say the same twice: elimination meets a pivot of 1e-12, and what comes of it is not
+// taken unless it solves the equations.
+TEST_F(DeviceSweeps, DoNotTakeADirectStepThatSolvesNothing) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<Real> some(-1, 1);
+  ConstraintProblem p;
+  constexpr Index pairs = 80;
+  for (Index i = 0; i < 2 * pairs; ++i) test::append<Bilateral<1>>(p, {});
+  MatX B(pairs, pairs);
+  for (Real& b : B.reshaped()) b = some(random);
+  const MatX half = B * B.transpose() + MatX::Identity(pairs, pairs);
+  MatX W(2 * pairs, 2 * pairs);
+  VecX d(2 * pairs);
+  for (Index i = 0; i < 2 * pairs; ++i) {
+    d[i] = i % 2 == 0 ? some(random) : d[i - 1];
+    for (Index j = 0; j < 2 * pairs; ++j) W(i, j) = half(i / 2, j / 2);
+  }
+  test::finish(p, W, d);
+  Sweeps sweeps(*device_, Precision::double_);
+  Counted counted(sweeps, Precision::double_);
+  BlockGaussSeidel there;
+  there.set_device(&counted);
+  EXPECT_TRUE(there.solve(p).converged);
+  EXPECT_LT((W * p.lambda + d).lpNorm<Eigen::Infinity>(), 1e-5);
+}
+
 // Without the direct step single precision ends where its rounding does; the residual is told as it
 // is, since the CPU measures it.
 TEST_F(DeviceSweeps, TellHowFarSinglePrecisionGets) {
