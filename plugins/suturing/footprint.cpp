@@ -43,6 +43,10 @@ void Footprint::archive(Archive& a) {
   a("compliance", compliance_);
 }
 
+Footprint::Footprint() {
+  points_.reserve(most_points);
+}
+
 void Footprint::find(const SurfacePoint& surface) {
   points_.assign(1, surface);
   offset_.setZero();

@@ -18,6 +18,8 @@ namespace sutura::suturing {
 
 class Footprint {
  public:
+  /// Makes room for its points, so that nothing is allocated in a step.
+  Footprint();
   /// On `surface`, at the start of a step, for a force of at most `force` (N). tip_radius 0: that
   /// of the disc.
   void find(const SolidBody& tissue, const SurfacePoint& surface, Real tip_radius,

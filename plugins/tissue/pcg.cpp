@@ -40,13 +40,13 @@ void WarpedFactor::set(const Factor& factor, std::span<const Mat3> then, std::sp
   rough_ = rough;
   then_ = then;
   now_ = now;
+  turn_.resize(now.size());
   turns_are_known_ = false;
 }
 
 std::span<const Mat3> WarpedFactor::turns() const {
   if (turns_are_known_) return turn_;
   turns_are_known_ = true;
-  turn_.resize(now_.size());
   for (std::size_t i = 0; i < now_.size(); ++i) turn_[i] = now_[i] * then_[i].transpose();
   return turn_;
 }

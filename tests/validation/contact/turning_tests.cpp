@@ -61,8 +61,11 @@ TEST(TurningStrands, KeepTheForcesOfTheirTouches) {
       const StepReport& report = run.simulation().step();
       missed += !report.solved;
       passes += static_cast<int>(report.passes);
-      // A twentieth of the thickness may stay between two touches.
-      EXPECT_GT(run.number("/contact", "distance"), -0.01e-3) << step;
+      // A twentieth of the thickness may stay between two touches. More is what a step that was not
+      // solved has left, up to half of it, and it is said until it is taken back.
+      const Real distance = run.number("/contact", "distance");
+      EXPECT_GT(distance, -0.1e-3 - 1e-7) << step;
+      EXPECT_TRUE(distance > -0.01e-3 || !report.solved || !report.faults.empty()) << step;
     }
     std::printf("%s: %d of 90 steps missed their tolerance, %d passes\n", friction.c_str(), missed,
                 passes);
