@@ -11,7 +11,7 @@ void Assembly::begin(const VecX& start, Real h) {
 }
 
 void Assembly::begin_here() {
-  if (!begun_here_ && start_.size() > 0) model_.elastic->set_viscosity(start_, share_);
+  if (!begun_here_) model_.elastic->set_viscosity(start_, share_);
   begun_here_ = true;
 }
 
@@ -31,8 +31,7 @@ ConjugateGradientDevice* Assembly::device_for(const NodePattern& pattern) {
     revision_ = revision;
     begun_there_ = false;
   }
-  if (!begun_there_ && start_.size() > 0 && !device->set_viscosity(moved(start_), share_))
-    return nullptr;
+  if (!begun_there_ && !device->set_viscosity(moved(start_), share_)) return nullptr;
   begun_there_ = true;
   return device;
 }

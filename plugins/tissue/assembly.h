@@ -13,7 +13,8 @@ namespace sutura::tissue {
 class Assembly final : public MatrixSource {
  public:
   /// Both are kept by reference.
-  Assembly(TissueModel& model, TissueSolver& solver) : model_(model), solver_(solver) {}
+  Assembly(TissueModel& model, TissueSolver& solver)
+      : model_(model), solver_(solver), start_(model.rest) {}
 
   /// For a step of length h from these positions, until the next call.
   void begin(const VecX& start, Real h);
@@ -37,10 +38,10 @@ class Assembly final : public MatrixSource {
 
   TissueModel& model_;
   TissueSolver& solver_;
-  Index revision_ = -1;  ///< of the elements that the device has
-  VecX start_;           ///< where the step begins
-  Real share_ = 0;       ///< beta / (h + beta)
-  bool begun_here_ = false, begun_there_ = false;
+  Index revision_ = -1;                          ///< of the elements that the device has
+  VecX start_;                                   ///< where the step begins
+  Real share_ = 0;                               ///< beta / (h + beta)
+  bool begun_here_ = true, begun_there_ = true;  ///< before the first step nothing flows
   VecX moved_, diagonal_, unused_;
   VecX assembled_at_;       ///< the positions of the matrix that was left on the device
   Real assembled_for_ = 0;  ///< and the length of its step (s)

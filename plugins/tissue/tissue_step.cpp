@@ -30,7 +30,6 @@ TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& loa
 void TissueStep::prepare(Real dt) {
   model_.held.clear_fixed(v_);
   solver_.analyse(A_.pattern(), model_.held.fixed(), {});
-  assembly_.begin(start_x_, dt);
   assemble(dt, 0);
   A_.multiply(v_, change_);  // the product finds its memory; every pass sets the change anew
 }

@@ -9,14 +9,12 @@ BestGuess::BestGuess(const Bodies& bodies) : bodies_(bodies) {
   for (const auto& b : bodies_) motion_.push_back(VecX::Zero(b.body->dofs()));
 }
 
-void BestGuess::look(const std::vector<Imbalance>& imbalance, Real violation,
-                     const GrowingVec& lambda) {
+void BestGuess::look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda) {
   Real lacks = 0;
   for (const Imbalance& i : imbalance) {
     if (!std::isfinite(i.force)) return;
     lacks = std::max(lacks, i.force);
   }
-  lacks *= std::max(Real(1), violation);
   if (least_ >= 0 && !(lacks < least_)) return;
   least_ = lacks;
   for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].body->motion(motion_[i]);

@@ -2,8 +2,7 @@
 //
 // Passes that do not converge can lead anywhere, and the last of them is often the worst. What
 // lacks is compared in newtons: beside the forces at work, as the tolerance has it, a guess that
-// tears a thread to pieces lacks no more than any other. A violation beyond its tolerance counts as
-// so many times the force: else the deepest overlap would be the best, as it needs none.
+// tears a thread to pieces lacks no more than any other.
 #pragma once
 
 #include <vector>
@@ -19,8 +18,8 @@ class BestGuess {
   explicit BestGuess(const Bodies& bodies);
   /// A new step.
   void forget() { least_ = -1; }
-  /// The present guess, with what its balance lacks per body. `violation`: in tolerances.
-  void look(const std::vector<Imbalance>& imbalance, Real violation, const GrowingVec& lambda);
+  /// The present guess, with what its balance lacks per body.
+  void look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda);
   /// Moves the bodies to the best guess that was finite. False if there was none.
   bool go_back(const StepContext& context) const;
   /// The forces of the constraints there.

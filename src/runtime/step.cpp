@@ -76,7 +76,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) break;
-    best_guess_->look(imbalance_, violation_ / scene_->limits.gap_tolerance, problem_.lambda);
+    best_guess_->look(imbalance_, problem_.lambda);
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);

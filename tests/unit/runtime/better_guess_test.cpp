@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/best_guess.h"
-
 namespace sutura {
 namespace {
 
@@ -111,24 +109,6 @@ TEST(BetterGuess, ABodyThatRestsIsNotMoved) {
   EXPECT_TRUE(moved);
   EXPECT_EQ(rests.x, before);
   EXPECT_LT((moves.x - VecX::Constant(3, 0.5)).norm(), 1e-12);
-}
-
-// A step that is not solved ends with the guess that lacks least, the least deep in something.
-TEST(BestGuess, LacksLittleForceAndOverlapsLittle) {
-  Point point(3);
-  std::vector<Simulation::NamedBody> bodies{{"point", &point}};
-  BestGuess best(bodies);
-  best.forget();
-  const auto best_after = [&](Real x, Real lacks, Real violation) {
-    point.x.setConstant(x);
-    best.look({Imbalance{lacks, lacks}}, violation, {});
-    EXPECT_TRUE(best.go_back({}));
-    return point.x[0];
-  };
-  EXPECT_EQ(best_after(1, 3, 0.5), 1);
-  EXPECT_EQ(best_after(2, 2, 10), 1);
-  EXPECT_EQ(best_after(3, 2, 0), 3);
-  EXPECT_EQ(best_after(4, 0.1, 100), 3);
 }
 
 }  // namespace
