@@ -1,8 +1,10 @@
 // Tissue that is thinner than its triangles are long: what has come to one of its sides is told
-// from what is beyond the other one.
+// from what is beyond the other one. And tools that are small beside the triangles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "scenes/text_run.h"
 
@@ -75,6 +77,71 @@ TEST(ThinTissue, IsNotEnteredFromItsFarSide) {
     // What may be missing in the balance of a step, a hundredth of its forces, does work.
     EXPECT_LT(energy(), 1.01 * before) << report.time;
     before = energy();
+  }
+}
+
+/// The deepest point of the rims of a cylinder in a tissue (m).
+Real rim_inside(const SolidBody& tissue, const Vec3& centre, const Vec3& axis, Real radius,
+                Real length) {
+  Real deepest = 0;
+  const Vec3 across = axis.unitOrthogonal(), other = axis.cross(across);
+  for (int i = 0; i < 72; ++i)
+    for (const Real end : {-0.5, 0.5}) {
+      const Real angle = i * std::numbers::pi / 36;
+      const Vec3 p = centre + end * length * axis +
+                     radius * (std::cos(angle) * across + std::sin(angle) * other);
+      if (!tissue.locate(p, Configuration::current)) continue;
+      const auto near = tissue.closest_surface(p, 1, Configuration::current);
+      if (near) deepest = std::max(deepest, std::abs(near->distance));
+    }
+  return deepest;
+}
+
+// A cylinder of 0.9 mm that is carried 4 mm down in one step, between the nodes of a block: to find
+// it nearly parallel to a triangle took hundreds of projections, and it was inside without a word.
+TEST(SmallTool, DoesNotDiveIntoTissueInSilence) {
+  for (const char* tilt : {"0.81 -0.242 0.005", "1 0 0", "0 1 0.02", "0.7 0.7 0.1"}) {
+    TextRun run(contact +
+                    "<node name='skin'><BlockMesh box='-12 -8 -6 12 8 0 mm' cells='5 6 3'/><Tissue "
+                    "name='tissue' young='29 kPa' poisson='0.3' damping_stiffness='10 ms'/><Attach "
+                    "box='-12 -8 -6 12 8 -6 mm'/></node><Track name='hand' times='0 1 ms' "
+                    "positions='0 0 0  -1.3 -2.1 -4 mm'/><Tool name='tool' shape='cylinder' "
+                    "radius='0.436 mm' length='3.176 mm' axis='" +
+                    tilt +
+                    "' centre='-0.096 2.006 1.952 mm' motion='/hand'/><Contact "
+                    "first='/skin/tissue' tool='tool'/>",
+                "gravity='0 0 0' dt='1 ms'");
+    ASSERT_TRUE(run) << run.said();
+    const StepReport& report = run.simulation().step();
+    const auto& tissue = run.component<SolidBody>("/skin/tissue");
+    EXPECT_TRUE(!report.solved || !report.faults.empty() ||
+                !tissue.locate(run.vector("/tool", "position"), Configuration::current))
+        << tilt;
+  }
+}
+
+// A rim cuts into the triangles around the nodes that it presses; deeper than a tenth of an edge
+// that is said. A right-angled rim that is d deep has a triangle d / sqrt(2) inside of it or more.
+TEST(SmallTool, DoesNotCutDeepInSilence) {
+  const Vec3 axis = Vec3(-0.394, 0.821, -0.824).normalized();
+  TextRun run(contact +
+                  "<node name='skin'><BlockMesh box='-8 -6 4.1 8 6 7.1 mm' cells='4 3 1'/><Tissue "
+                  "name='tissue' young='9.8 kPa' poisson='0.3' velocity='0.13 -0.18 -0.8'/></node>"
+                  "<Tool name='tool' shape='cylinder' radius='2.943 mm' length='3.391 mm' "
+                  "axis='-0.394 0.821 -0.824' centre='-5.696 0.326 0 mm'/>"
+                  "<Contact first='/skin/tissue' tool='tool' friction='0.826'/>",
+              "gravity='0 0 0' dt='2 ms'");
+  ASSERT_TRUE(run) << run.said();
+  const auto& tissue = run.component<SolidBody>("/skin/tissue");
+  // Mean edge of the triangles: of cells of 4, 4 and 3 mm with a diagonal in each side, 48 triangles of
+  // 4 by 4 and 28 of 4 by 3.
+  const Real edge = (48 * (4 + 4 + 5.657) + 28 * (4 + 3 + 5)) / (3 * 76) * 1e-3;
+  bool said = false;
+  while (run.simulation().time() < 0.03 - 1e-9 && !said) {
+    const StepReport& report = run.simulation().step();
+    said = !report.solved || !report.faults.empty();
+    const Real deep = rim_inside(tissue, Vec3(-5.696e-3, 0.326e-3, 0), axis, 2.943e-3, 3.391e-3);
+    EXPECT_TRUE(said || deep < 0.1 * std::sqrt(2.) * edge) << report.time << ' ' << deep;
   }
 }
 
