@@ -220,8 +220,6 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch& t) const {
 /// far its ends are before and behind, and by how far the place is from the border.
 Real SurfaceSurface::edges_through(const MovingSurface& edges, const MovingSurface& faces) const {
   Real worst = 0;
-  // The rim of a tool cuts into the triangles around the nodes that it presses.
-  const bool is_tool = second().boundary()->is_rigid();
   for (Index t = 0; t < edges.triangles(); ++t) {
     const auto& nodes = edges.nodes(t);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -232,7 +230,6 @@ Real SurfaceSurface::edges_through(const MovingSurface& edges, const MovingSurfa
       box.add(edge.a), box.add(edge.b);
       faces.near(box, [&](Index other) {
         const auto& corners = faces.nodes(other);
-        if (is_tool && is_touched(touched_first_, &edges == &first_ ? nodes : corners)) return;
         if (is_self_ && std::any_of(corners.begin(), corners.end(),
                                     [&](Index node) { return node == from || node == to; }))
           return;
@@ -282,7 +279,6 @@ Real SurfaceSurface::distance() const {
     now.second_.look(true);
     add_normals(now.first_, now.normals_first_);
     add_normals(now.second_, now.normals_second_);
-    now.touched_first_.assign(now.normals_first_.size(), 0);
     const Real unseen = now.unseen_overlap();
     Real smallest = std::min(smallest_distance(now.first_, now.second_),
                              smallest_distance(now.second_, now.first_));
