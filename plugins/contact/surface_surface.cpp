@@ -114,9 +114,8 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
       const Vec3 normal = faces.normal(t);
       if (own || is_said) return;
       const bool is_facing = normal.dot(outward) <= facing;
-      if (!is_facing && !faces_a_side(normal)) return;
       const Passing way = passing(nodes, node, faces, t);
-      if (way.free < free) {
+      if (way.free < free && (is_facing || faces_a_side(normal))) {
         free = way.free;
         take(t, way.weights, normal);
       }
