@@ -96,6 +96,7 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
       if (!inside) inside = faces.boundary()->depth(p + rounding * edge * outward) > 0;
       return *inside;
     };
+    near_.clear();
     Touch best;
     Real least = std::numeric_limits<Real>::infinity(), free = 1;
     const auto take = [&](Index t, const Vec3& weights, const Vec3& normal) {
@@ -128,11 +129,16 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
       // as the gap closes.
       if ((apart - height * normal).norm() > aside) return;
       if (height > reach || height < -deepest(faces, t)) return;
-      if (distance > least || (distance == least && t > best.triangle)) return;
       if (height < -rounding * edge && !is_inside()) return;
-      least = distance;
-      take(t, foot.weights, normal);
+      least = std::min(least, distance);
+      near_.push_back({t, foot.weights, distance});
     });
+    // Where it stands on the border of two triangles their normals differ: that of the lower number
+    // is taken, whatever rounding says, else passes would go to and fro.
+    for (const Near& on : near_)
+      if (free == 1 && on.distance <= least + rounding * edge &&
+          (best.triangle < 0 || on.triangle < best.triangle))
+        take(on.triangle, on.weights, faces.normal(on.triangle));
     free_way_ = std::min(free_way_, free);
     if (best.triangle < 0) continue;
     best.node = node;

@@ -59,6 +59,13 @@ class SurfaceSurface : public Pair {
   Real edges_through(const MovingSurface& edges, const MovingSurface& faces) const;
   static Real smallest_distance(const MovingSurface& nodes, const MovingSurface& faces);
 
+  /// A triangle that a node may touch.
+  struct Near {
+    Index triangle = -1;
+    Vec3 weights = Vec3::Zero();
+    Real distance = 0;  ///< m
+  };
+  std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
   bool is_self_;
   SurfaceEdges edges_first_, edges_second_;
