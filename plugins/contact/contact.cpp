@@ -238,7 +238,7 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
   }
   memory_.remember(touches_, *pair_);
   went_through_ = pair_->free_way() < 1;
-  unseen_overlap_ = pair_->unseen_overlap(touches_);
+  unseen_overlap_ = pair_->unseen_overlap();
 }
 
 std::string Contact::fault() const {
@@ -247,8 +247,8 @@ std::string Contact::fault() const {
     return "strands overlap by " + format_real(left_overlap_) +
            " m since a step that was not solved; the next steps take it back";
   if (unseen_overlap_ > 0)
-    return "edges of the two cross, " + format_real(unseen_overlap_) +
-           " m deep, where neither has a node; make the mesh finer";
+    return "the two overlap by " + format_real(unseen_overlap_) +
+           " m where no touch holds them apart; take shorter steps or a finer mesh";
   return {};
 }
 

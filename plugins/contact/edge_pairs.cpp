@@ -1,6 +1,7 @@
 // Touches of two surfaces where an edge of one crosses an edge of the other.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "surface_surface.h"
 
@@ -34,7 +35,7 @@ Crossing cross(const Segment& first, const Segment& second, const Vec3& up) {
 
 }  // namespace
 
-void SurfaceSurface::meet_edges(Real reach, Real deepest, std::vector<Touch>& out) {
+void SurfaceSurface::meet_edges(Real reach, std::vector<Touch>& out) {
   if (!edges_first_.known()) {
     edges_first_.learn(first_);
     if (!is_self_) edges_second_.learn(second_);
@@ -50,19 +51,21 @@ void SurfaceSurface::meet_edges(Real reach, Real deepest, std::vector<Touch>& ou
       const Segment s = SurfaceEdges::at(first_, e, time);
       box.add(s.a), box.add(s.b);
     }
-    second().near(box.grown(std::max(reach, deepest)), [&](Index t) {
+    second().near(box.grown(std::max(reach, deepest(first_, e.triangle[0]))), [&](Index t) {
       others.of(t, [&](Index j) {
         const SurfaceEdges::Edge& f = others.all()[static_cast<std::size_t>(j)];
         if (is_self_ && (j <= static_cast<Index>(i) || e.meets(f))) return;
-        meet_edges(static_cast<Index>(i), e, j, f, reach, deepest, out);
+        meet_edges(static_cast<Index>(i), e, j, f, reach, out);
       });
     });
   }
 }
 
 void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
-                                const SurfaceEdges::Edge& f, Real reach, Real deepest,
-                                std::vector<Touch>& out) {
+                                const SurfaceEdges::Edge& f, Real reach, std::vector<Touch>& out) {
+  Real deep = std::numeric_limits<Real>::infinity();
+  for (const Index t : e.triangle) deep = std::min(deep, deepest(first_, t));
+  for (const Index t : f.triangle) deep = std::min(deep, deepest(second(), t));
   const auto at = [&](Real time, const Vec3& up) {
     return cross(SurfaceEdges::at(first_, e, time), SurfaceEdges::at(second(), f, time), up);
   };
@@ -88,8 +91,8 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
   // Does its way lead through, deeper than a touch sees? Then it is touched where the two met: what
   // is carried does not go back.
   const Crossing begin = at(0, SurfaceEdges::outward(second(), f, 0));
-  if (begin.gap > -deepest && !begin.normal.isZero() && faced(begin.normal, 0) &&
-      at(1, begin.normal).gap < -deepest) {
+  if (begin.gap > -deep && !begin.normal.isZero() && faced(begin.normal, 0) &&
+      at(1, begin.normal).gap < -deep) {
     Real low = 0, high = 1;
     for (int k = 0; k < 30; ++k) {
       const Real middle = (low + high) / 2;
@@ -97,14 +100,14 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
     }
     // Where they only turn past each other the gap changes its sign, too, and they are apart.
     const Crossing met = at(high, begin.normal);
-    const Real overlap = std::max(-begin.gap, Real(0)) + touching * deepest;
+    const Real overlap = std::max(-begin.gap, Real(0)) + touching * deep;
     if (met.is_inner && met.on.squared_distance < overlap * overlap) {
       free_way_ = std::min(free_way_, low);
       return touch(met);
     }
   }
   const Crossing now = at(1, SurfaceEdges::outward(second(), f, 1));
-  if (now.is_inner && now.gap <= reach && now.gap >= -deepest && faced(now.normal, 1)) touch(now);
+  if (now.is_inner && now.gap <= reach && now.gap >= -deep && faced(now.normal, 1)) touch(now);
 }
 
 }  // namespace sutura::contact

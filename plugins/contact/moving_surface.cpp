@@ -29,8 +29,42 @@ void MovingSurface::learn() {
   edge_length_ = sum / static_cast<Real>(std::max<Index>(3 * rest.size(), 1));
   std::stable_sort(nodes_.begin(), nodes_.end(),
                    [](const SurfaceNode& a, const SurfaceNode& b) { return a.node < b.node; });
-  const auto same = [](const SurfaceNode& a, const SurfaceNode& b) { return a.node == b.node; };
-  nodes_.erase(std::unique(nodes_.begin(), nodes_.end(), same), nodes_.end());
+  std::size_t count = 0;
+  for (const SurfaceNode& n : nodes_) {
+    if (count == 0 || nodes_[count - 1].node != n.node) {
+      nodes_[count] = n;
+      nodes_[count++].first = static_cast<Index>(around_.size());
+    }
+    around_.push_back(n.triangle);
+    nodes_[count - 1].last = static_cast<Index>(around_.size());
+  }
+  nodes_.resize(count);
+  learn_thickness(rest);
+}
+
+void MovingSurface::learn_thickness(const TriangleSurface& rest) {
+  Box all;
+  tree_->refit(boxes_, [&](Index t) {
+    Box box;
+    for (const Vec3& p : rest.corners(t)) box.add(p), all.add(p);
+    return box;
+  });
+  const Real through = (all.high - all.low).norm();
+  for (Index t = 0; t < rest.size(); ++t) {
+    const Corners c = rest.corners(t);
+    const Vec3 middle = (c[0] + c[1] + c[2]) / 3, inwards = -rest.area_normal(t).normalized();
+    const Segment ray{middle, middle + through * inwards};
+    Real nearest = through;
+    tree_->visit(
+        boxes_, [&](const Box& box) { return box.meets_segment(ray.a, ray.b, 0); },
+        [&](Index other) {
+          // The other side: what looks the way that the ray goes.
+          if (other == t || rest.area_normal(other).dot(inwards) <= 0) return;
+          const SegmentTriangle met = closest_points(ray, rest.corners(other));
+          if (met.squared_distance == 0) nearest = std::min(nearest, met.s * through);
+        });
+    thickness_.push_back(nearest);
+  }
 }
 
 Box MovingSurface::of(Index t) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "boundary.h"
@@ -40,10 +41,17 @@ class MovingSurface {
   struct SurfaceNode {
     Index node = -1, triangle = -1;
     Vec3 weights = Vec3::Zero();
+    Index first = 0, last = 0;  ///< its triangles, in `around`
   };
+  /// The triangles that a node is a corner of.
+  std::span<const Index> around(const SurfaceNode& n) const {
+    return {around_.data() + n.first, static_cast<std::size_t>(n.last - n.first)};
+  }
   const std::vector<SurfaceNode>& surface_nodes() const { return nodes_; }
   /// Mean length of the edges of the triangles, at rest (m).
   Real edge_length() const { return edge_length_; }
+  /// From the middle of a triangle straight through to the other side, at rest (m).
+  Real thickness(Index triangle) const { return thickness_[static_cast<std::size_t>(triangle)]; }
   /// Calls `item(triangle)` for those whose way may meet the box.
   template <class Item>
   void near(const Box& box, const Item& item) const {
@@ -58,6 +66,7 @@ class MovingSurface {
  private:
   Box of(Index triangle) const;
   void learn();
+  void learn_thickness(const TriangleSurface& rest);
 
   std::shared_ptr<const Boundary> boundary_;
   TriangleSurface start_, now_;
@@ -65,6 +74,8 @@ class MovingSurface {
   BoxTree::Boxes boxes_;
   std::vector<SurfaceNode> nodes_;
   Real edge_length_ = 0;
+  std::vector<Real> thickness_;  ///< by triangle
+  std::vector<Index> around_;    ///< triangles of the nodes, one node after the other
 };
 
 }  // namespace sutura::contact

@@ -3,15 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace sutura::contact {
 namespace {
 
 // In units of the mean edge of the triangles.
-constexpr Real depth = 0.5;    // a node that has come through is found so far behind a triangle
-constexpr Real margin = 0.25;  // a touch is built from this far, before there is one
-constexpr Real beside = 0.1;   // a node may stand so far beside a triangle
-// Cosine between the normal of a node and that of a triangle that faces it, at most.
+constexpr Real depth = 0.5;      // a node that has come through is found so far behind a triangle
+constexpr Real margin = 0.25;    // a touch is built from this far, before there is one
+constexpr Real beside = 0.1;     // a node may stand so far beside a triangle
+constexpr Real seen = 0.1;       // deeper than this no overlap is left without a fault
+constexpr Real rounding = 1e-3;  // as far behind a triangle a node counts as being on it
+// Nor deeper than this part of the way through: there the other side is nearer.
+constexpr Real half_way = 0.5;
+// Cosine between the normal of a triangle and that of a node that faces it, at most.
 constexpr Real facing = -0.2;
 
 /// Is any node of a triangle?
@@ -40,6 +45,10 @@ Real SurfaceSurface::edge_length() const {
   return std::min(first_.edge_length(), second().edge_length());
 }
 
+Real SurfaceSurface::deepest(const MovingSurface& faces, Index triangle) const {
+  return std::min(depth * edge_length(), half_way * faces.thickness(triangle));
+}
+
 void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
   free_way_ = 1;
   first_.look();
@@ -58,7 +67,7 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
   }
   if (!is_self_) meet(true, reach, out);
   drop_doubles(out);
-  meet_edges(reach, depth * edge_length(), out);
+  meet_edges(reach, out);
 }
 
 void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {
@@ -74,6 +83,20 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
     const Vec3 outward = normals[static_cast<std::size_t>(node)].normalized();
     Box box;
     box.add(p), box.add(p - nodes.moved(node));
+    // Of the rim of something thin the mean is that of its wide sides, and the rim goes first.
+    const auto faces_a_side = [&](const Vec3& normal) {
+      const auto sides = nodes.around(n);
+      return std::any_of(sides.begin(), sides.end(),
+                         [&](Index side) { return normal.dot(nodes.normal(side)) <= facing; });
+    };
+    // What is behind a triangle is inside, or on the far side of something thin, or beside it. A
+    // little before the node, so that what it belongs to does not count.
+    std::optional<bool> inside;
+    const auto is_inside = [&] {
+      if (!inside) inside = faces.boundary()->depth(p + rounding * edge * outward) > 0;
+      return *inside;
+    };
+    near_.clear();
     Touch best;
     Real least = std::numeric_limits<Real>::infinity(), free = 1;
     const auto take = [&](Index t, const Vec3& weights, const Vec3& normal) {
@@ -89,26 +112,33 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
       const bool own =
           &nodes == &faces && (corners[0] == node || corners[1] == node || corners[2] == node);
       const bool is_said = node_is_rigid && is_touched(touched_first_, corners);
-      const Vec3 n = faces.normal(t);
-      if (own || is_said || n.dot(outward) > facing) return;
+      const Vec3 normal = faces.normal(t);
+      if (own || is_said) return;
+      const bool is_facing = normal.dot(outward) <= facing;
       const Passing way = passing(nodes, node, faces, t);
-      if (way.free < free) {
+      if (way.free < free && (is_facing || faces_a_side(normal))) {
         free = way.free;
-        take(t, way.weights, n);
+        take(t, way.weights, normal);
       }
-      if (free < 1) return;
+      if (free < 1 || !is_facing) return;
       const Corners c = faces.now(t);
       const TrianglePoint foot = closest_point(p, c);
       const Vec3 apart = p - foot.on(c);
-      const Real height = n.dot(apart), distance = apart.norm();
+      const Real height = normal.dot(apart), distance = apart.norm();
       // Further beside the triangle nothing touches, however near: whether it does must not change
       // as the gap closes.
-      if ((apart - height * n).norm() > aside) return;
-      if (height > reach || height < -depth * edge) return;
-      if (distance > least || (distance == least && t > best.triangle)) return;
-      least = distance;
-      take(t, foot.weights, n);
+      if ((apart - height * normal).norm() > aside) return;
+      if (height > reach || height < -deepest(faces, t)) return;
+      if (height < -rounding * edge && !is_inside()) return;
+      least = std::min(least, distance);
+      near_.push_back({t, foot.weights, distance});
     });
+    // Where it stands on the border of two triangles their normals differ: that of the lower number
+    // is taken, whatever rounding says, else passes would go to and fro.
+    for (const Near& on : near_)
+      if (free == 1 && on.distance <= least + rounding * edge &&
+          (best.triangle < 0 || on.triangle < best.triangle))
+        take(on.triangle, on.weights, faces.normal(on.triangle));
     free_way_ = std::min(free_way_, free);
     if (best.triangle < 0) continue;
     best.node = node;
@@ -123,7 +153,7 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
 
 SurfaceSurface::Passing SurfaceSurface::passing(const MovingSurface& nodes, Index node,
                                                 const MovingSurface& faces, Index t) const {
-  const Real limit = -depth * edge_length();
+  const Real limit = -deepest(faces, t);
   const Vec3 to = nodes.point(node), from = to - nodes.moved(node);
   const auto height = [&](Real time) {
     const Corners c = faces.at(t, time);
@@ -191,40 +221,46 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch& t) const {
   return {0.5, t.node < 0 ? 0.5 : std::numeric_limits<Real>::infinity()};
 }
 
-Real SurfaceSurface::edges_inside(const MovingSurface& edges, const MovingSurface& solid,
-                                  const std::vector<char>& touched) {
-  Real deepest = 0;
+/// An edge that crosses a triangle must be moved by the smallest of these to be clear of it: by how
+/// far its ends are before and behind, and by how far the place is from the border.
+Real SurfaceSurface::edges_through(const MovingSurface& edges, const MovingSurface& faces) const {
+  Real worst = 0;
   for (Index t = 0; t < edges.triangles(); ++t) {
     const auto& nodes = edges.nodes(t);
-    if (is_touched(touched, nodes)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index from = nodes[k], to = nodes[(k + 1) % 3];
       if (from > to) continue;  // the triangle beside has it too
-      for (const Real u : {0.25, 0.5, 0.75}) {
-        const Vec3 p = edges.point(from) + u * (edges.point(to) - edges.point(from));
-        if (solid.bounds(p)) deepest = std::max(deepest, solid.boundary()->depth(p));
-      }
+      const Segment edge{edges.point(from), edges.point(to)};
+      Box box;
+      box.add(edge.a), box.add(edge.b);
+      faces.near(box, [&](Index other) {
+        const auto& corners = faces.nodes(other);
+        if (is_self_ && std::any_of(corners.begin(), corners.end(),
+                                    [&](Index node) { return node == from || node == to; }))
+          return;
+        const Corners c = faces.now(other);
+        const Vec3 normal = faces.normal(other);
+        const Real before = normal.dot(edge.a - c[0]), behind = normal.dot(edge.b - c[0]);
+        if (before * behind >= 0) return;
+        const Vec3 place = edge.at(before / (before - behind));
+        Real through = std::min(std::abs(before), std::abs(behind));
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Vec3 side = c[(i + 1) % 3] - c[i];
+          through = std::min(through, normal.dot(side.cross(place - c[i])) / side.norm());
+        }
+        worst = std::max(worst, through);
+      });
     }
   }
-  return deepest;
+  return worst;
 }
 
-/// Two sharp edges that cross have no node in each other.
-Real SurfaceSurface::unseen_overlap(const std::vector<Touch>& touches) {
-  if (is_self_) return 0;
-  touched_first_.assign(normals_first_.size(), 0);
-  touched_second_.assign(normals_second_.size(), 0);
-  for (const Touch& t : touches) {
-    auto& nodes = t.nodes_are_second ? touched_second_ : touched_first_;
-    auto& faces = t.nodes_are_second ? touched_first_ : touched_second_;
-    for (const Index node : nodes_of(t).nodes(t.node_triangle))
-      if (t.node < 0 || node == t.node) nodes[static_cast<std::size_t>(node)] = 1;
-    for (const Index node : faces_of(t).nodes(t.triangle))
-      faces[static_cast<std::size_t>(node)] = 1;
-  }
-  const Real deepest = std::max(edges_inside(first_, second_, touched_first_),
-                                edges_inside(second_, first_, touched_second_));
-  return deepest > beside * edge_length() ? deepest : 0;
+/// Touches hold nodes and edges that stand out apart. What they leave out, or a step that was not
+/// solved has left, is an edge of one in a triangle of the other.
+Real SurfaceSurface::unseen_overlap() const {
+  Real worst = edges_through(first_, second());
+  if (!is_self_) worst = std::max(worst, edges_through(second_, first_));
+  return worst > seen * edge_length() ? worst : 0;
 }
 
 /// Of the nodes of one surface to the other.
@@ -248,12 +284,12 @@ Real SurfaceSurface::distance() const {
     now.second_.look(true);
     add_normals(now.first_, now.normals_first_);
     add_normals(now.second_, now.normals_second_);
-    const Real unseen = now.unseen_overlap({});
+    const Real unseen = now.unseen_overlap();
     Real smallest = std::min(smallest_distance(now.first_, now.second_),
                              smallest_distance(now.second_, now.first_));
     if (unseen > 0) smallest = std::min(smallest, -unseen);
     std::vector<Touch> crossed;
-    now.meet_edges(std::max(smallest, Real(0)), depth * now.edge_length(), crossed);
+    now.meet_edges(std::max(smallest, Real(0)), crossed);
     for (const Touch& t : crossed) smallest = std::min(smallest, t.gap);
     return smallest;
   }

@@ -21,7 +21,7 @@ class SurfaceSurface : public Pair {
   void tell_force(const Touch& touch, const Vec3& force) override {
     second().boundary()->tell_force(-force, touch.at);
   }
-  Real unseen_overlap(const std::vector<Touch>& touches) override;
+  Real unseen_overlap() const override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -37,6 +37,8 @@ class SurfaceSurface : public Pair {
   }
   /// In units of length: how far a touch reaches.
   Real edge_length() const;
+  /// So deep behind a triangle something is taken for having come in there (m).
+  Real deepest(const MovingSurface& faces, Index triangle) const;
   static void add_normals(const MovingSurface& surface, std::vector<Vec3>& normals);
   /// Nodes of one surface against the other. `reach`: in front of it (m).
   void meet(bool nodes_are_second, Real reach, std::vector<Touch>& out);
@@ -48,23 +50,27 @@ class SurfaceSurface : public Pair {
   };
   Passing passing(const MovingSurface& nodes, Index node, const MovingSurface& faces,
                   Index triangle) const;
-  /// Edges of the first against edges of the second. `deepest`: further through they are not taken
-  /// for touching (m).
-  void meet_edges(Real reach, Real deepest, std::vector<Touch>& out);
+  /// Edges of the first against edges of the second.
+  void meet_edges(Real reach, std::vector<Touch>& out);
   void meet_edges(Index i, const SurfaceEdges::Edge& e, Index j, const SurfaceEdges::Edge& f,
-                  Real reach, Real deepest, std::vector<Touch>& out);
+                  Real reach, std::vector<Touch>& out);
   void drop_doubles(std::vector<Touch>& out);
-  /// How deep edges of one are inside of the other, at their quarters. `touched`: by node; edges of
-  /// triangles with such a node are left out.
-  static Real edges_inside(const MovingSurface& edges, const MovingSurface& solid,
-                           const std::vector<char>& touched);
+  /// How far edges of one stick through triangles of the other.
+  Real edges_through(const MovingSurface& edges, const MovingSurface& faces) const;
   static Real smallest_distance(const MovingSurface& nodes, const MovingSurface& faces);
 
+  /// A triangle that a node may touch.
+  struct Near {
+    Index triangle = -1;
+    Vec3 weights = Vec3::Zero();
+    Real distance = 0;  ///< m
+  };
+  std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
   bool is_self_;
   SurfaceEdges edges_first_, edges_second_;
   std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside
-  std::vector<char> touched_first_, touched_second_;  ///< by node
+  std::vector<char> touched_first_;                   ///< by node
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
 };
 

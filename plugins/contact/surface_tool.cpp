@@ -17,6 +17,11 @@ constexpr Real wide = 3;       // of a tool that is wide against the mesh
 constexpr Real shaved = 0.1;   // off a tool with edges, to find how deep they are inside
 // Nor deeper than this part of the way to the middle of the tool: there another side is nearer.
 constexpr Real half_way = 0.5;
+constexpr Real unsaid = 0.1;  // deeper no overlap is left without a fault
+
+Vec3 point(const Vec3& weights, const Corners& c) {
+  return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
+}
 
 }  // namespace
 
@@ -40,8 +45,7 @@ Vec3 SurfaceTool::nearest_weights(const Corners& seen) const {
   const Real layer = std::min(shaved * surface_.edge_length(), tool_.shape().half_thickness() / 2);
   Vec3 weights = Vec3::Constant(Real(1) / 3);
   for (int i = 0; i < 30; ++i) {
-    const Vec3 p = weights[0] * seen[0] + weights[1] * seen[1] + weights[2] * seen[2];
-    const Vec3 next = closest_point(tool_.shape().core(p, layer), seen).weights;
+    const Vec3 next = closest_point(tool_.shape().core(point(weights, seen), layer), seen).weights;
     const bool stands = (next - weights).norm() < 1e-9;
     weights = next;
     if (stands) break;
@@ -49,21 +53,43 @@ Vec3 SurfaceTool::nearest_weights(const Corners& seen) const {
   return weights;
 }
 
-Real SurfaceTool::distance_of(const Corners& seen) const {
-  const Vec3 w = nearest_weights(seen);
-  return tool_.shape().at(w[0] * seen[0] + w[1] * seen[1] + w[2] * seen[2]).distance;
+/// By the same projections, in strides that grow: along nearly parallel sides single ones take
+/// hundreds, and what a thin tool is nearer than they say, it goes through unseen.
+Real SurfaceTool::distance_of(const Corners& seen, Real deepest) const {
+  const Shape& shape = tool_.shape();
+  const auto to_core = [&](const Vec3& p) { return (shape.core(p, deepest) - p).norm(); };
+  Vec3 p = (seen[0] + seen[1] + seen[2]) / 3;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 from = p;
+    p = closest_point(shape.core(from, deepest), seen).on(seen);
+    const Vec3 stride = p - from;
+    Real least = to_core(p);
+    if (stride.norm() < 1e-9 * surface_.edge_length() || least == 0) break;
+    for (Real length = 2;; length *= 2) {
+      const Vec3 further = closest_point(from + length * stride, seen).on(seen);
+      const Real distance = to_core(further);
+      if (!(distance < least)) break;
+      p = further;
+      least = distance;
+    }
+  }
+  return shape.at(p).distance;
+}
+
+Real SurfaceTool::allowed() const {
+  return std::min(depth * surface_.edge_length(), half_way * tool_.shape().half_thickness());
 }
 
 template <class At>
 Real SurfaceTool::way_of(Real motion, const At& distance) const {
-  const Real allowed =
-      std::min(depth * surface_.edge_length(), half_way * tool_.shape().half_thickness());
-  return way_through(motion, allowed, [&](Real time) { return distance(time) + 2 * allowed; });
+  const Real most = allowed();
+  return way_through(motion, most, [&](Real time) { return distance(time) + 2 * most; });
 }
 
 void SurfaceTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   surface_.look();
   free_way_ = 1;
+  deepest_ = 0;
   for (std::size_t k = 0; k < surface_.surface_nodes().size(); ++k) find_at_node(k, out);
   if (tool_.shape().kind == Shape::Kind::plane) return;  // nowhere nearer than at a node
   for (Index t = 0; t < surface_.triangles(); ++t) find_inside(t, before, out);
@@ -102,12 +128,14 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   }
   const Real edge = surface_.edge_length();
   if (begin - size - motion > margin * edge) return;
-  const Real way = way_of(motion, [&](Real time) { return distance_of(seen_at(t, time)); });
+  const Real way =
+      way_of(motion, [&](Real time) { return distance_of(seen_at(t, time), 1.01 * allowed()); });
   const Corners there = seen_at(t, way);
   const Vec3 weights = nearest_weights(there);
-  const Vec3 p = weights[0] * there[0] + weights[1] * there[1] + weights[2] * there[2];
+  const Vec3 p = point(weights, there);
   const Real distance = shape.at(p).distance;
   free_way_ = std::min(free_way_, way);
+  if (distance < 0) deepest_ = std::max(deepest_, -distance_of(there, 1.01 * allowed()));
   // The numbers of triangles begin after those of nodes. Nodes have ways of their own.
   const Real name = static_cast<Real>(surface_.surface_nodes().back().node + 1 + t);
   constexpr Real at_node = 1 - 1e-6;
@@ -129,7 +157,7 @@ void SurfaceTool::touch(Real name, const Place& place, const Facet& on,
                         std::vector<Touch>& out) const {
   const Pose frame = tool_.placed(Configuration::current);
   const Corners c = surface_.now(place.triangle);
-  const Vec3 p = place.weights[0] * c[0] + place.weights[1] * c[1] + place.weights[2] * c[2];
+  const Vec3 p = point(place.weights, c);
   Touch& t = out.emplace_back();
   t.first_place = name;
   t.triangle = place.triangle;
@@ -154,6 +182,10 @@ Pair::Tolerance SurfaceTool::tolerance(const Touch&) const {
   return {0.5, std::numeric_limits<Real>::infinity()};
 }
 
+Real SurfaceTool::unseen_overlap() const {
+  return deepest_ > unsaid * surface_.edge_length() ? deepest_ : 0;
+}
+
 Real SurfaceTool::distance() const {
   SurfaceTool now(surface_.boundary(), tool_);
   now.surface_.look(true);
@@ -168,7 +200,8 @@ Real SurfaceTool::distance() const {
     Corners c = now.surface_.now(t);
     for (Vec3& p : c) p = seen(p, Configuration::current);
     const Real size = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
-    if (shape.at(c[0]).distance - size < smallest) smallest = std::min(smallest, distance_of(c));
+    if (shape.at(c[0]).distance - size < smallest)
+      smallest = std::min(smallest, distance_of(c, shape.half_thickness() / 2));
   }
   // No surface may be near a tool that is inside.
   const Real inside = now.surface_.boundary()->depth(tool_.placed(Configuration::current).position);

@@ -16,6 +16,7 @@ class SurfaceTool : public ToolPair {
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
+  Real unseen_overlap() const override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -29,7 +30,10 @@ class SurfaceTool : public ToolPair {
   Corners seen_at(Index triangle, Real time) const;
   /// The point of a triangle that is nearest to the tool or deepest in it.
   Vec3 nearest_weights(const Corners& seen) const;
-  Real distance_of(const Corners& seen) const;
+  /// Of a triangle to the tool, or how deep it is inside, up to `deepest` (m).
+  Real distance_of(const Corners& seen, Real deepest) const;
+  /// So deep inside nothing may be on its way (m).
+  Real allowed() const;
   /// Part of the way of a node or of a triangle on which nothing is deeper in the tool than touches
   /// see.
   template <class At>
@@ -39,6 +43,7 @@ class SurfaceTool : public ToolPair {
   void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
   MovingSurface surface_;
+  Real deepest_ = 0;  ///< that a triangle is inside of the tool (m)
 };
 
 }  // namespace sutura::contact

@@ -71,7 +71,7 @@ class Pair {
   /// After the step: the force on the first.
   virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}
   /// After the step: how deep the two overlap where no touch sees it (m).
-  virtual Real unseen_overlap(const std::vector<Touch>& /*touches*/) { return 0; }
+  virtual Real unseen_overlap() const { return 0; }
   /// The smallest distance between the surfaces, now (m).
   virtual Real distance() const = 0;
   /// Do these places of the two belong to one rigid body now? Then there is no touch, and what it

@@ -13,6 +13,7 @@ Index HeldNodes::fix(std::span<const Index> nodes, const void* mover) {
     contradicted += fixed_[i] && mover_[i] != mover;
     if (!fixed_[i] || mover != nullptr) mover_[i] = mover;
     fixed_[i] = 1;
+    holders_.segment<3>(3 * node).array() += 1;
   }
   return contradicted;
 }
@@ -32,7 +33,10 @@ Index HeldNodes::support(Index node, const std::array<bool, 3>& along, const Vec
   stiffness_ = stiffness;
   if (free_.size() == 0) free_.setOnes(3 * static_cast<Index>(fixed_.size()));
   for (Index k = 0; k < 3; ++k)
-    if (along[static_cast<std::size_t>(k)]) free_[3 * node + k] = 0;
+    if (along[static_cast<std::size_t>(k)]) {
+      free_[3 * node + k] = 0;
+      holders_[3 * node + k] += 1;
+    }
   return static_cast<Index>(supports_.size()) - 1;
 }
 

@@ -13,7 +13,8 @@ namespace sutura::tissue {
 
 class HeldNodes {
  public:
-  explicit HeldNodes(Index nodes = 0) : fixed_(static_cast<std::size_t>(nodes), 0) {}
+  explicit HeldNodes(Index nodes = 0)
+      : fixed_(static_cast<std::size_t>(nodes), 0), holders_(VecX::Zero(3 * nodes)) {}
 
   /// `mover`: what carries them, or null. Returns how many are held already, and moved otherwise.
   Index fix(std::span<const Index> nodes, const void* mover = nullptr);
@@ -25,6 +26,8 @@ class HeldNodes {
   /// all supports. Returns the number of the support.
   Index support(Index node, const std::array<bool, 3>& along, const Vec3& at, Real stiffness);
   void carry_support(Index support, const Vec3& target);
+  /// How many hold a node along each axis.
+  Vec3 holders(Index node) const { return holders_.segment<3>(3 * node); }
 
   std::span<const char> fixed() const { return fixed_; }  ///< per node: not zero if it is
   bool is_fixed(Index node) const { return fixed_[static_cast<std::size_t>(node)] != 0; }
@@ -60,6 +63,7 @@ class HeldNodes {
   Vec3 force(const Support& support, const VecX& x) const;
 
   std::vector<char> fixed_;
+  VecX holders_;                    ///< per dof
   std::vector<const void*> mover_;  ///< per node; empty as long as none is fixed
   std::vector<Carried> carried_;
   std::vector<Support> supports_;

@@ -196,7 +196,8 @@ Index Tissue::support(Index node, const std::array<bool, 3>& along) {
 
 Vec3 Tissue::reaction(const std::vector<Index>& nodes) const {
   Vec3 sum = Vec3::Zero();
-  for (const Index i : nodes) sum += step_->reaction().segment<3>(3 * i);
+  for (const Index i : nodes)
+    sum += step_->reaction().segment<3>(3 * i).cwiseQuotient(model_.held.holders(i).cwiseMax(1));
   return sum;
 }
 

@@ -52,7 +52,7 @@ class Tissue : public Component, public MeshedSolid {
   TissueModel& model() { return model_; }
   const TissueModel& model() const { return model_; }
 
-  /// Force (N) with which nodes are held, over the last step; zero for free ones.
+  /// Force (N) with which one of those that hold these nodes does so, over the last step.
   Vec3 reaction(const std::vector<Index>& nodes) const;
   Index inverted() const { return inverted_tets(model_, step_->positions()); }
   const VecX& positions() const { return step_->positions(); }    ///< m, node by node

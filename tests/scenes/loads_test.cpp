@@ -141,6 +141,27 @@ TEST(Supports, ThatContradictEachOtherAreNamed) {
   EXPECT_NEAR(both.vector("/shared", "displacement").z(), 2e-3, 1e-12);
 }
 
+// What several hold is counted once: all together hold what the tissue is held with.
+TEST(Supports, ThatOverlapShareTheirForce) {
+  for (const char* second :
+       {"<Attach name='b' box='0 0 0  2.5 4 1.5 mm'/>",
+        "<Attach name='b' box='0 0 0  2.5 4 1.5 mm' directions='yz'/>",
+        "<Track name='m' times='0'/><Attach name='b' box='0 0 0  2.5 4 1.5 mm' motion='m'/>"}) {
+    TextRun run(
+        std::string("<BlockMesh box='0 0 0  10 4 4 mm' cells='8 3 3'/><Tissue name='t' young='50 "
+                    "kPa' damping_mass='50 1/s'/><Attach name='a' box='0 0 0  1.25 4 4 mm'/>") +
+            second,
+        "gravity='0 0 -9.81'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.5);
+    const Vec3 all = run.vector("/t", "reaction");
+    EXPECT_NEAR(all.z(), 1000 * 160e-9 * 9.81, 2e-3 * all.z());
+    EXPECT_LT((run.vector("/a", "reaction") + run.vector("/b", "reaction") - all).norm(),
+              1e-12 * all.norm())
+        << second;
+  }
+}
+
 // A settled scene begins at rest and stays there.
 TEST(Settling, WhatIsSettledStays) {
   TextRun run(block +

@@ -2,6 +2,7 @@
 // nothing, and every step ends in balance.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -67,6 +68,32 @@ TEST(TissueContact, TwoBlocksPressedTogetherAreAsSoftAsOne) {
   // the step, a hundredth of the forces; measured 1e-6 of them.
   EXPECT_LT((below + above).norm(), 1e-4 * expected);
   EXPECT_LT((run.vector("/between", "force") - above).norm(), 1e-4 * expected);
+}
+
+// A block lies on another one, level and tilted, nodes on edges of its triangles: it is at rest,
+// does not creep, and no step has to look for which of two triangles a node is on.
+TEST(TissueContact, ABlockLiesStillOnAnother) {
+  for (const Real tilt : {0., 5., 10., 15., 20., 25.}) {  // below atan(0.5), 26.6 degrees
+    const Real angle = tilt * std::numbers::pi / 180;
+    TextRun run(
+        "<plugin name='contact'/>" +
+            block("low", "-15 -10 -6 15 10 0", "7 5 2", "<Attach box='-15 -10 -6 15 10 -6 mm'/>") +
+            block("high", "-5 -4 0 5 4 6", "4 3 3") +
+            "<TissueProbe name='top' tissue='/high/tissue' point='0 0 6 mm'/>"
+            "<Contact first='/high/tissue' second='/low/tissue' friction='0.5'/>",
+        "dt='10 ms' gravity='" + text_of(9.81 * Vec3(std::sin(angle), 0, -std::cos(angle))) + "'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(1);
+    const Vec3 before = run.vector("/top", "position");
+    Index most = 0;
+    while (run.simulation().time() < 5 - 1e-9) {
+      const StepReport& report = run.simulation().step();
+      EXPECT_TRUE(report.solved) << tilt << ' ' << report.time;
+      most = std::max(most, report.passes);
+    }
+    EXPECT_LE(most, 3) << tilt;
+    EXPECT_LT((run.vector("/top", "position") - before).norm(), 1e-9) << tilt;  // as in the incline
+  }
 }
 
 /// A quarter of a layer on a rigid bed, 15 mm deep, as wide as that from the middle, and a tool
