@@ -42,6 +42,7 @@ class Throw:
     park    how far away the jaws wait until the strand is in front
     tilt    by how many degrees the jaws rise from their tip on
     give    by how much the hand gives way while it draws the strand taut
+    slack   by how much less, while the jaws take the tail and the loop slides along it
     pull    likewise, when the throw is tightened
     used    what the throw and what is in it take of the long strand; 1.6 * apart where it is left out
     took    likewise of the tail
@@ -56,7 +57,7 @@ class Throw:
     """
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
-                 give=1.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, slide=(0.7, 0.3), draw=0.0,
+                 give=1.0, slack=0.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, slide=(0.7, 0.3), draw=0.0,
                  used=None, closed=None, behind=5.0, tilt=0.0,
                  park=48.0, wind=(-3, -15, 10), start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
@@ -74,7 +75,7 @@ class Throw:
         self.from_here = (apart, -beside / 2, 0)
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
         self.wind(give, wind, park)
-        self.take(give)
+        self.take(give - slack)
         self.tighten(pull, took, 1.6 * apart if used is None else used)
 
     def key(self, seconds, hand, tip, what):

@@ -1,5 +1,5 @@
-// An interrupted stitch (scenes/suture/interrupted.xml): sewn through both lips, and its surgeon's
-// throw tied with instruments. What follows, a second throw, takes minutes (docs/validation.md).
+// An interrupted stitch (scenes/suture/interrupted.xml): sewn through both lips, tied with
+// instruments by a surgeon's throw and two more (2 = 1 = 1), and its ends cut.
 #include <gtest/gtest.h>
 
 #include "scenes/text_run.h"
@@ -9,7 +9,7 @@
 namespace sutura::testing {
 namespace {
 
-TEST(InterruptedStitch, ASurgeonsThrowDrawsTheLipsTogether) {
+TEST(InterruptedStitch, ThreeThrowsHoldTheLipsTogetherWhenTheEndsAreCut) {
   TextRun world = TextRun::file("suture/interrupted.xml");
   const auto& thread = world.component<SegmentedCurve>("/suture");
   int steps = 0, missed = 0;
@@ -40,6 +40,25 @@ TEST(InterruptedStitch, ASurgeonsThrowDrawsTheLipsTogether) {
   EXPECT_EQ(world.number("/suture", "cuts"), 1);
   // The channel goes from 3 mm on one side to 3 mm on the other.
   EXPECT_GT(world.number("/path", "inserted_length"), 5e-3);
+  run(16.2);
+  // The second throw is tied from the other side, so it is left-handed: the two make a surgeon's
+  // knot. The strand of the hand goes to the right.
+  const Complex surgeons_knot = jones_of_throw(5) * std::conj(jones_of_throw(3));
+  EXPECT_LT(std::abs(jones(closed_to_the_sides(after_cuts(thread, 1), -1)) - surgeons_knot),
+            rounding);
+  run(22.1);
+  // The third one is right-handed again, upon the other two. The ends were cut at 21.7 s: what is
+  // left between the second and the third cut along the thread is the stitch.
+  EXPECT_EQ(world.number("/suture", "cuts"), 3);
+  EXPECT_LT(std::abs(jones(closed_to_the_sides(after_cuts(thread, 2))) -
+                     surgeons_knot * jones_of_throw(3)),
+            rounding);
+  const Real gap = world.number("/gap", "distance");
+  EXPECT_LT(gap, 0.5e-3);
+  run(22.5);
+  // It rests: it would creep by 50 um in 30 s at 1.7 um/s.
+  EXPECT_NEAR(world.number("/gap", "distance"), gap, 0.4 * 1.7e-6);
+  EXPECT_EQ(world.number("/puncture", "punctures"), 4);
   std::printf("%d of %d steps missed their tolerance\n", missed, steps);
   EXPECT_LE(missed, steps / 100);  // mostly where the two turns slip off the jaws
 }
