@@ -121,9 +121,9 @@ class ConstraintBuilder {
     const Index first = problem_.blocks[static_cast<std::size_t>(block.index)].first_row;
     std::copy_n(lambda.data(), N, first_lambda_.begin() + first);
   }
-  /// Force of a row of the block with this key in the pass before, or in the step before (N); 0 if
-  /// there was none. For stiffnesses that grow with it.
-  Real known_force(Key key, Index row = 0) const;
+  /// Force of the first row of the block with this key in the pass before, or in the step before
+  /// (N); 0 if there was none. For stiffnesses that grow with it.
+  Real known_force(Key key) const;
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
   /// The first coupling decides where and on whom the block's force is drawn.

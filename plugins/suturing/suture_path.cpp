@@ -1,7 +1,6 @@
 #include "suture_path.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "sutura/archive.h"
@@ -11,13 +10,10 @@
 namespace sutura::suturing {
 namespace {
 
-// Names of blocks: no sample id comes near these.
-constexpr std::uint64_t end_of_channel = (1ull << 39), springs = (1ull << 38);
+constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
 
 // In units of the spacing of samples.
 constexpr Real too_close = 0.3;  // to the tip: rows that would repeat those of the end
-constexpr Real around = 0.25;    // where the bend at a sample is looked at, on both sides
-constexpr Real lever = 3;        // at which a turn of the thread counts as much as its way
 constexpr Real shortest = 0.1;   // length that a sample stands for at least, so that its wall is
                                  // never softer than ten times the others
 
@@ -35,9 +31,6 @@ void SuturePath::describe(Describe<SuturePath>& d) {
       "end of the step. Two rows hold delta = N^T (x_thread(s_j) - x_tissue(P_j)) = 0 with N "
       "normal "
       "to the thread there (paper, section 4.4).\n"
-      "The force f across the thread turns with it. What that resists, [k q; q 0] over the way of "
-      "the thread along itself and the turn of its tangent towards f (times a length l; q = |f|/l, "
-      "k = -f times the curvature), is a spring in each pass, as far as it resists.\n"
       "With a `strength` the force of a sample is at most that times the length l it stands for. "
       "There the thread cuts on: P_j goes along with it, and takes strength times l times its way "
       "of work. The elements stay as they are: the cut is one of the channel, not of the mesh.");
@@ -166,7 +159,7 @@ Real SuturePath::share_of_end() const {
   return is_at_tip(beside) ? beside.share.high : channel_->samples()[beside.sample].abscissa / 2;
 }
 
-void SuturePath::build(const StepContext& context, ConstraintBuilder& builder) {
+void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
   const Real strength = strength_ > 0 ? strength_ : std::numeric_limits<Real>::infinity();
   const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked_;
@@ -191,45 +184,7 @@ void SuturePath::build(const StepContext& context, ConstraintBuilder& builder) {
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
     blocks_.push_back({block, i, compliance, length});
-    stiffen(context, i, builder);
   }
-}
-
-/// The force f across a thread turns with it, which linear rows do not know. With u the way of the
-/// thread along itself, and w how far its tangent turns towards f, times a length l, the change of
-/// the force resists as the matrix [k q; q 0] over (u, w): q = |f| / l, and k = -f times the
-/// curvature. Where a tight thread is bent sharply that is stiffer than the tissue, and passes
-/// would go to and fro. So the part that resists is said as a spring about the guess, without force
-/// there and gone with the pass. The other part pushes on: with it, a pass may have no solution.
-void SuturePath::stiffen(const StepContext& context, std::size_t crossing,
-                         ConstraintBuilder& builder) {
-  const Crossing& c = crossings_[crossing];
-  const Key key = make_key(source_id_, c.id);
-  const Vec3 force = c.axes.bottomRows<2>().transpose() *
-                     Vec2(builder.known_force(key, 0), builder.known_force(key, 1));
-  const Real size = force.norm();
-  if (!(size > 0)) return;
-  constexpr Configuration now = Configuration::current;
-  const Real reach = around * spacing_, low = std::max(Real(0), c.abscissa - reach),
-             high = std::min(thread_->length(), c.abscissa + reach);
-  const Vec3 bend = (thread_->tangent(high, now) - thread_->tangent(low, now)) / (high - low);
-  const Real length = lever * spacing_, k = -force.dot(bend), q = size / length;
-  const Real stiffness = k / 2 + std::hypot(k / 2, q);
-  const Vec2 way = Vec2(stiffness, q).normalized();  // of (u, w), that is resisted so
-
-  // A name for this pass only: what it carried is not taken on.
-  const auto pass = static_cast<std::uint64_t>(context.pass & 255);
-  const BlockId block = builder.add<Bilateral<1>>(
-      make_key(source_id_, springs | (pass << 24) | crossing), {1 / stiffness}, BlockVector<1>(0));
-  const Directions along = way[0] * c.axes.topRows<1>();
-  builder.couple(block, *thread_, along, c.thread, c.position);
-  builder.couple(block, *tissue_, -along, c.tissue, c.position);
-  const Directions turn = way[1] * length / ((high - low) * size) * force.transpose();
-  PointJacobian at;
-  thread_->jacobian(high, at);
-  builder.couple(block, *thread_, turn, at, c.position);
-  thread_->jacobian(low, at);
-  builder.couple(block, *thread_, -turn, at, c.position);
 }
 
 /// Bites follow each other along the path: each from the sample of its entry to that of its exit.

@@ -79,7 +79,6 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
     Real length;      ///< of channel that it bears for (m)
   };
   void sew(Setup& setup);
-  void stiffen(const StepContext& context, std::size_t crossing, ConstraintBuilder& builder);
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
   void cut(const SolvedBlocks& solved);

@@ -154,8 +154,7 @@ void TissueStep::solve_what_matters(Real dt, VecX& momentum) {
 
 void TissueStep::linearise(const StepContext& context, const VecX& force) {
   // A turns with the material: as long as nothing has moved by much of an element it may stay, and
-  // from step to step as long as it answers well. To make it anew costs more than a pass, and what
-  // an old one leaves the next pass takes up.
+  // from step to step as long as it answers well.
   constexpr Real small = 0.02;           // of the mean edge
   const bool first = !solver_is_ready_;  // in this step
   if (context.dt != assembled_for_ || (first && outdated_) ||
@@ -221,10 +220,9 @@ Imbalance TissueStep::imbalance(const StepContext& context, const VecX& force) {
   const Real rounding = 1e-9 * model_.young * model_.edge_length * model_.edge_length;
   at_work_ = std::sqrt(std::max({pushed, weight, inertia, reaction})) + rounding;
   worst.relative = std::sqrt(missing) / at_work_;
-  // A matrix that leaves more than a tenth of what it was asked for is too old.
-  constexpr Real too_much = 0.1;
+  // A matrix that leaves more than three thousandths of what it was asked for is too old.
   const Real left = h * std::sqrt(missing);
-  outdated_ = outdated_ || (left > rounding_of(h) && left > too_much * asked_);
+  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.003 * asked_);
   return worst;
 }
 

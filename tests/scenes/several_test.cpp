@@ -91,8 +91,7 @@ TEST(SecondTry, InOutAsideInBackOnOutAndInAgain) {
     EXPECT_LE(cut, fc * (1 + 1e-9)) << "at row " << i;
     EXPECT_LE(std::abs(friction), drag * inside * 1.001 + 1e-9) << "at row " << i;
     // What the holder feels is what the tissue does to the needle: quasi-static, 30 mg at
-    // accelerations below 1 m/s^2 at the turns. The scene's tolerance, a thousandth of the forces
-    // at work, is 0.06 mN.
+    // accelerations below 1 m/s^2 at the turns.
     if (t.number(i, "puncture.force [N]") <= 0) {
       EXPECT_NEAR(-holder, cut + friction, 1e-4) << "at row " << i;
     }
