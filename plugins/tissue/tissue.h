@@ -52,7 +52,8 @@ class Tissue : public Component, public MeshedSolid {
   TissueModel& model() { return model_; }
   const TissueModel& model() const { return model_; }
 
-  /// Force (N) with which one of those that hold these nodes does so, over the last step.
+  /// Force (N) with which an attachment holds these nodes, over the last step. Of a node that
+  /// several hold along an axis it is an equal share; zero for free ones.
   Vec3 reaction(const std::vector<Index>& nodes) const;
   Index inverted() const { return inverted_tets(model_, step_->positions()); }
   const VecX& positions() const { return step_->positions(); }    ///< m, node by node
