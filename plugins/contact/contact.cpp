@@ -136,7 +136,10 @@ void Contact::archive(Archive& a) {
 
 void Contact::detect(const StepContext& context) {
   touches_.clear();
-  if (context.pass == 0) memory_.begin_step();
+  if (context.pass == 0) {
+    memory_.begin_step();
+    pair_->begin_step();
+  }
   pair_->find(memory_, touches_);
   memory_.recognise(touches_, *pair_);
 }
@@ -221,7 +224,7 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     const Vec3 force = solved.force(block);
     const Real normal = solved.lambda(block)[0];
     force_ += force;
-    left_overlap_ = std::max(left_overlap_, t.left);
+    if (!pair_->sees_left_overlap()) left_overlap_ = std::max(left_overlap_, t.left);
     t.carries = normal > 0;
     closed_ += t.carries;
     largest_force_ = std::max(largest_force_, normal);

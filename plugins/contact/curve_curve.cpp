@@ -61,21 +61,28 @@ Real height_between(const CurveSegment& a, const CurveSegment& b, const Vec3& n)
 }  // namespace
 
 void CurveCurve::look() {
-  a_.look(first_);
+  a_.look(first_, start_is_known_);
   tree_a_.fit(a_);
   if (is_self_) {
+    if (!start_is_known_) look_at_start();
     add_up_turns();
   } else {
-    b_.look(second_);
+    b_.look(second_, start_is_known_);
     tree_b_.fit(b_);
   }
+  start_is_known_ = true;
+}
+
+void CurveCurve::look_at_start() {
+  start_turn_.clear();
+  for (const CurveSegment& s : a_.start) start_turn_.push_back(turn(s));
 }
 
 void CurveCurve::add_up_turns() {
   turned_.resize(a_.size() + 1);
   turned_[0] = 0;
   for (std::size_t i = 0; i < a_.size(); ++i)
-    turned_[i + 1] = turned_[i] + std::max(turn(a_.start[i]), turn(a_.now[i]));
+    turned_[i + 1] = turned_[i] + std::max(start_turn_[i], turn(a_.now[i]));
 }
 
 bool CurveCurve::are_apart(std::size_t i, std::size_t j) const {
@@ -300,7 +307,10 @@ Real CurveCurve::distance() const {
   first_.segments(Configuration::current, now.a_.now);
   now.a_.start = now.a_.now;
   now.tree_a_.fit(now.a_);
-  if (is_self_) now.add_up_turns();
+  if (is_self_) {
+    now.look_at_start();
+    now.add_up_turns();
+  }
   second_.segments(Configuration::current, now.b_.now);
   now.b_.start = now.b_.now;
   now.tree_b_.fit(now.b_);

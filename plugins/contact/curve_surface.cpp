@@ -24,8 +24,9 @@ constexpr Real other_side = 0.9;     // sides whose normals are closer than this
 }  // namespace
 
 void CurveSurface::look(bool standing) {
-  seen_.look(curve_);
+  seen_.look(curve_, start_is_known_);
   if (standing) seen_.start = seen_.now;
+  start_is_known_ = !standing;
   surface_.look(standing);
   inside_.clear();
   if (passage_ != nullptr) passage_->inside(inside_);

@@ -33,10 +33,32 @@ bool stays_off(const ShapeDistance& at_p, const Vec3& p, const Vec3& q, Real cle
 }  // namespace
 
 void CurveTool::look() {
-  seen_.look(curve_);
-  const Pose start = tool_.placed(Configuration::start), now = tool_.placed(Configuration::current);
-  for (CurveSegment& s : seen_.start) s = seen_from(start, s);
+  seen_.look(curve_, start_is_known_);
+  const Pose now = tool_.placed(Configuration::current);
   for (CurveSegment& s : seen_.now) s = seen_from(now, s);
+  if (!start_is_known_) look_at_start();
+  start_is_known_ = true;
+}
+
+void CurveTool::look_at_start() {
+  const Pose frame = tool_.placed(Configuration::start);
+  start_at_node_.clear();
+  start_room_.clear();
+  for (CurveSegment& s : seen_.start) {
+    s = seen_from(frame, s);
+    const Real middle = tool_.shape().at((s.xa + s.xb) / 2).distance;
+    start_room_.push_back(middle - MovingCurve::extent(s));
+  }
+  for (std::size_t node = 0; node <= seen_.size(); ++node) {
+    const auto [i, u] = place_of(node);
+    start_at_node_.push_back(tool_.shape().at(u > 0 ? seen_.start[i].xb : seen_.start[i].xa));
+  }
+}
+
+std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
+  std::size_t i = std::min(node, seen_.size() - 1);
+  if (seen_.now[i].cut && node > 0) i = node - 1;
+  return {i, node == i ? 0 : 1};
 }
 
 void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
@@ -48,17 +70,16 @@ void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
 
 /// Nodes are touched where they are: a curve that lies on a surface lies on it along its length.
 void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
-  std::size_t i = std::min(node, seen_.size() - 1);
-  if (seen_.now[i].cut && node > 0) i = node - 1;
+  const auto [i, u] = place_of(node);
   if (seen_.now[i].cut) return;
-  const Real u = node == i ? 0 : 1;
   Real radius = seen_.now[i].radius;
   if (node > 0) radius = std::max(radius, seen_.now[node - 1].radius);
   const Vec3 from = u > 0 ? seen_.start[i].xb : seen_.start[i].xa;
   const Vec3 to = u > 0 ? seen_.now[i].xb : seen_.now[i].xa;
   const Real motion = (to - from).norm();
-  const ShapeDistance begin = tool_.shape().at(from), end = tool_.shape().at(to);
+  const ShapeDistance& begin = start_at_node_[node];
   if (begin.distance - motion > (1 + margin) * radius) return;
+  const ShapeDistance end = tool_.shape().at(to);
   const bool is_free = stays_off(begin, from, to, clearance * radius) ||
                        stays_off(end, to, from, clearance * radius);
   const Real way = is_free ? 1 : way_through(motion, clearance * radius, [&](Real time) {
@@ -79,9 +100,7 @@ void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
 }
 
 bool CurveTool::is_far(std::size_t i) const {
-  const CurveSegment& s = seen_.start[i];
-  const Real middle = tool_.shape().at((s.xa + s.xb) / 2).distance;
-  return middle - MovingCurve::extent(s) - seen_.motion(i) > (1 + margin) * s.radius;
+  return start_room_[i] - seen_.motion(i) > (1 + margin) * seen_.start[i].radius;
 }
 
 /// Between nodes, where the curve dips towards the tool: over an edge, round a bend.

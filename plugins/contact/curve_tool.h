@@ -23,6 +23,9 @@ class CurveTool : public ToolPair {
     return tool_.shape().at(s.point(u));
   }
   void look();
+  void look_at_start();
+  /// The segment on which a node is, and where.
+  std::pair<std::size_t, Real> place_of(std::size_t node) const;
   Real lowest_between(const CurveSegment& s, Real low, Real high) const;
   /// Where on the segment it is nearest to the tool. No point of it is nearer than `distance`,
   /// which is exact where it is less than `exact` (m).
@@ -39,6 +42,9 @@ class CurveTool : public ToolPair {
 
   const SegmentedCurve& curve_;
   MovingCurve seen_;  ///< from the shape
+  // At the start of the step, from the shape:
+  std::vector<ShapeDistance> start_at_node_;
+  std::vector<Real> start_room_;  ///< no point of a segment is nearer (m)
 };
 
 }  // namespace sutura::contact

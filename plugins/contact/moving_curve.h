@@ -23,8 +23,9 @@ inline CurveSegment on_the_way(const CurveSegment& a, const CurveSegment& b, Rea
 struct MovingCurve {
   std::vector<CurveSegment> start, now;
 
-  void look(const SegmentedCurve& curve) {
-    curve.segments(Configuration::start, start);
+  /// The start of a step is where it was in all of its passes.
+  void look(const SegmentedCurve& curve, bool start_is_known) {
+    if (!start_is_known) curve.segments(Configuration::start, start);
     curve.segments(Configuration::current, now);
   }
   std::size_t size() const { return now.size(); }

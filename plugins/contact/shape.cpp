@@ -80,6 +80,25 @@ Vec3 Shape::core(const Vec3& p, Real layer) const {
   return p;
 }
 
+Facet Shape::facing(const Vec3& p, Real layer) const {
+  const Vec3 apart = p - core(p, layer);
+  const Real length = apart.norm();
+  if (kind == Kind::plane || is_round() || !(length > 0)) return facet(p);
+  const Vec3 n = apart / length;
+  const auto sign = [](Real x) { return x < 0 ? Real(-1) : Real(1); };
+  Vec3 foot = p;
+  if (kind == Kind::cylinder) {
+    const Real across = std::hypot(p.x(), p.y());
+    if (across > radius - layer) foot.head<2>() *= radius / across;
+    if (std::abs(p.z()) > half_length - layer) foot.z() = sign(p.z()) * half_length;
+    return {n, foot};
+  }
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(p[k]) > half_size[k] - std::max(layer, rounding))
+      foot[k] = sign(p[k]) * (half_size[k] - rounding);
+  return {n, foot + rounding * n};
+}
+
 Real Shape::half_thickness() const {
   switch (kind) {
     case Kind::plane:

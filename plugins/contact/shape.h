@@ -40,6 +40,9 @@ struct Shape {
   /// The point closest to p of what is left without a layer of the surface (m): of round shapes the
   /// centre or the axis, whatever the layer. Not of a plane.
   Vec3 core(const Vec3& p, Real layer) const;
+  /// The plane across the way from that point to p, through the face, edge or corner of the surface
+  /// that the point is below. That of `facet` of round shapes, and where p is no further out.
+  Facet facing(const Vec3& p, Real layer) const;
   /// From the middle to the nearest side (m); infinite for a plane.
   Real half_thickness() const;
   /// Lines that show it, as pairs of points.

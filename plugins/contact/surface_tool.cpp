@@ -14,10 +14,14 @@ constexpr Real margin = 0.25;  // a touch is built from this far, before there i
 constexpr Real dip = 0.01;     // what a triangle may be nearer than at its nodes
 constexpr Real depth = 0.25;   // deeper inside than this it is not taken for having come in here
 constexpr Real wide = 3;       // of a tool that is wide against the mesh
-constexpr Real shaved = 0.1;   // off a tool with edges, to find how deep they are inside
+constexpr Real layers[] = {1e-3, 1e-2, 0.1};  // off a tool with edges, to find how they face it
+// Along a capsule a triangle that comes nearer by less than this part of the way is as near all
+// along: which point is the nearest hangs on rounding there.
+constexpr Real slope = 0.01;
 // Nor deeper than this part of the way to the middle of the tool: there another side is nearer.
 constexpr Real half_way = 0.5;
 constexpr Real unsaid = 0.1;  // deeper no overlap is left without a fault
+constexpr Real back = 5e-3;   // of an overlap so much is taken back in a step
 
 Vec3 point(const Vec3& weights, const Corners& c) {
   return weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
@@ -38,42 +42,49 @@ Corners SurfaceTool::seen_at(Index t, Real time) const {
   return to;
 }
 
-// Alternating projections: onto the core of the tool, back onto the triangle. Both are convex, so
-// that they close in on the two nearest points. Where the triangle meets the tool, they do so as
-// long as it does not meet the core.
-Vec3 SurfaceTool::nearest_weights(const Corners& seen) const {
-  const Real layer = std::min(shaved * surface_.edge_length(), tool_.shape().half_thickness() / 2);
-  Vec3 weights = Vec3::Constant(Real(1) / 3);
-  for (int i = 0; i < 30; ++i) {
-    const Vec3 next = closest_point(tool_.shape().core(point(weights, seen), layer), seen).weights;
-    const bool stands = (next - weights).norm() < 1e-9;
-    weights = next;
-    if (stands) break;
-  }
-  return weights;
-}
-
-/// By the same projections, in strides that grow: along nearly parallel sides single ones take
-/// hundreds, and what a thin tool is nearer than they say, it goes through unseen.
-Real SurfaceTool::distance_of(const Corners& seen, Real deepest) const {
+/// Projections onto the core of the tool and back onto the triangle: both are convex, so that they
+/// close in on the two nearest points. In strides that grow: along nearly parallel sides single
+/// ones take hundreds, and what a thin tool is nearer than they say, it goes through unseen.
+TrianglePoint SurfaceTool::nearest(const Corners& seen, Real layer, Real worth) const {
   const Shape& shape = tool_.shape();
-  const auto to_core = [&](const Vec3& p) { return (shape.core(p, deepest) - p).norm(); };
-  Vec3 p = (seen[0] + seen[1] + seen[2]) / 3;
+  const auto to_core = [&](const Vec3& p) { return (shape.core(p, layer) - p).norm(); };
+  TrianglePoint best{Vec3::Constant(Real(1) / 3)};
   for (int i = 0; i < 100; ++i) {
-    const Vec3 from = p;
-    p = closest_point(shape.core(from, deepest), seen).on(seen);
-    const Vec3 stride = p - from;
-    Real least = to_core(p);
+    const Vec3 from = best.on(seen);
+    best = closest_point(shape.core(from, layer), seen);
+    const Vec3 stride = best.on(seen) - from;
+    Real least = to_core(best.on(seen));
     if (stride.norm() < 1e-9 * surface_.edge_length() || least == 0) break;
     for (Real length = 2;; length *= 2) {
-      const Vec3 further = closest_point(from + length * stride, seen).on(seen);
-      const Real distance = to_core(further);
-      if (!(distance < least)) break;
-      p = further;
+      const TrianglePoint further = closest_point(from + length * stride, seen);
+      const Real distance = to_core(further.on(seen));
+      if (!(distance < least - worth * (further.on(seen) - best.on(seen)).norm())) break;
+      best = further;
       least = distance;
     }
   }
-  return shape.at(p).distance;
+  return best;
+}
+
+/// Of the nearest points of the triangle and of what is left of the tool without as thin a layer as
+/// parts the two: where an edge or a corner of the tool presses into the triangle, the nearest of
+/// the tool's sides is not what faces it.
+SurfaceTool::Facing SurfaceTool::facing(const Corners& seen) const {
+  const Shape& shape = tool_.shape();
+  Facing out;
+  const Real worth = shape.is_round() ? slope : 0;
+  for (const Real share : layers) {
+    const Real layer = std::min(share * surface_.edge_length(), shape.half_thickness() / 2);
+    out.weights = nearest(seen, layer, worth).weights;
+    out.point = point(out.weights, seen);
+    out.on = shape.facing(out.point, layer);
+    if ((out.point - shape.core(out.point, layer)).norm() > 0) break;
+  }
+  return out;
+}
+
+Real SurfaceTool::distance_of(const Corners& seen, Real deepest) const {
+  return tool_.shape().at(nearest(seen, deepest, 0).on(seen)).distance;
 }
 
 Real SurfaceTool::allowed() const {
@@ -131,16 +142,16 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   const Real way =
       way_of(motion, [&](Real time) { return distance_of(seen_at(t, time), 1.01 * allowed()); });
   const Corners there = seen_at(t, way);
-  const Vec3 weights = nearest_weights(there);
-  const Vec3 p = point(weights, there);
-  const Real distance = shape.at(p).distance;
+  const Facing met = facing(there);
+  const Vec3& weights = met.weights;
+  const Real distance = shape.at(met.point).distance;
   free_way_ = std::min(free_way_, way);
   if (distance < 0) deepest_ = std::max(deepest_, -distance_of(there, 1.01 * allowed()));
   // The numbers of triangles begin after those of nodes. Nodes have ways of their own.
   const Real name = static_cast<Real>(surface_.surface_nodes().back().node + 1 + t);
   constexpr Real at_node = 1 - 1e-6;
   if (way < 1) {
-    if (weights.maxCoeff() < at_node) touch(name, {t, weights}, shape.facet(p), out);
+    if (weights.maxCoeff() < at_node) touch(name, {t, weights}, met.on, out);
     return;
   }
   if (distance > margin * edge) return;
@@ -149,8 +160,20 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   // touch between them would move by that radius as the triangle tilts, and passes to and fro.
   const bool is_between = shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge;
   const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
-  if (is_between && (was_touched || distance < at_nodes - dip * edge))
-    touch(name, {t, weights}, shape.facet(p), out);
+  if (!is_between || !(was_touched || distance < at_nodes - dip * edge)) return;
+  touch(name, {t, weights}, met.on, out);
+  leave(from, out.back());
+}
+
+/// Around nodes that are pressed a rim cuts into triangles that are not touched, and a triangle
+/// that is touched is so at another point in every pass. What it overlaps as the step begins is no
+/// work that the step has to do: it is left, but for so much that what steps miss does not add up.
+void SurfaceTool::leave(const Corners& before, Touch& t) const {
+  const Facing deepest = facing(before);
+  const Vec3 normal = tool_.placed(Configuration::current).rotation.conjugate() * t.normal;
+  const Real height = normal.dot(point(t.weights, before) - t.second_local) + t.gap;
+  const Real overlap = -std::max(deepest.on.normal.dot(deepest.point - deepest.on.foot), height);
+  t.left = std::max(Real(0), overlap - back * surface_.edge_length());
 }
 
 void SurfaceTool::touch(Real name, const Place& place, const Facet& on,
@@ -200,8 +223,10 @@ Real SurfaceTool::distance() const {
     Corners c = now.surface_.now(t);
     for (Vec3& p : c) p = seen(p, Configuration::current);
     const Real size = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
-    if (shape.at(c[0]).distance - size < smallest)
-      smallest = std::min(smallest, distance_of(c, shape.half_thickness() / 2));
+    if (shape.at(c[0]).distance - size >= smallest) continue;
+    // Of two that are apart, and of two of which one is deep in the other.
+    smallest = std::min({smallest, shape.at(now.facing(c).point).distance,
+                         distance_of(c, shape.half_thickness() / 2)});
   }
   // No surface may be near a tool that is inside.
   const Real inside = now.surface_.boundary()->depth(tool_.placed(Configuration::current).position);

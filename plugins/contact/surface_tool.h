@@ -17,6 +17,7 @@ class SurfaceTool : public ToolPair {
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
   Real unseen_overlap() const override;
+  bool sees_left_overlap() const override { return true; }
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -28,8 +29,16 @@ class SurfaceTool : public ToolPair {
   Vec3 seen(const Vec3& world, Configuration c) const;
   /// Seen from the tool, on its way.
   Corners seen_at(Index triangle, Real time) const;
-  /// The point of a triangle that is nearest to the tool or deepest in it.
-  Vec3 nearest_weights(const Corners& seen) const;
+  /// The point of a triangle that is nearest to what is left of the tool without a layer (m): where
+  /// it is nearest to the tool, or deepest in it. It goes on only where that gains `worth` of the
+  /// way (1).
+  TrianglePoint nearest(const Corners& seen, Real layer, Real worth) const;
+  /// How a triangle and the tool face each other: at which point of the triangle, in which plane.
+  struct Facing {
+    Vec3 weights, point;
+    Facet on;
+  };
+  Facing facing(const Corners& seen) const;
   /// Of a triangle to the tool, or how deep it is inside, up to `deepest` (m).
   Real distance_of(const Corners& seen, Real deepest) const;
   /// So deep inside nothing may be on its way (m).
@@ -40,6 +49,7 @@ class SurfaceTool : public ToolPair {
   Real way_of(Real motion, const At& distance) const;
   void find_at_node(std::size_t number, std::vector<Touch>& out);
   void find_inside(Index triangle, const TouchedPlaces& before, std::vector<Touch>& out);
+  void leave(const Corners& before, Touch& touch) const;
   void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
   MovingSurface surface_;

@@ -51,6 +51,8 @@ class TouchedPlaces {
 class Pair {
  public:
   virtual ~Pair() = default;
+  /// Before the first `find` of a step, or of a part of one: where it starts is new.
+  void begin_step() { start_is_known_ = false; }
   /// At the present guess. Where the straight way from the start of the step to it is barred,
   /// `free_way` tells, and the touches are of no use.
   /// What was touched before is a touch again while it is near: touches do not come and go with
@@ -72,6 +74,9 @@ class Pair {
   virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}
   /// After the step: how deep the two overlap where no touch sees it (m).
   virtual Real unseen_overlap() const { return 0; }
+  /// Does `unseen_overlap` see what touches leave of an overlap as well? Then that alone is a
+  /// fault.
+  virtual bool sees_left_overlap() const { return false; }
   /// The smallest distance between the surfaces, now (m).
   virtual Real distance() const = 0;
   /// Do these places of the two belong to one rigid body now? Then there is no touch, and what it
@@ -85,6 +90,7 @@ class Pair {
 
  protected:
   Real free_way_ = 1;
+  bool start_is_known_ = false;  ///< what a pair keeps of the start of the step holds
 };
 
 }  // namespace sutura::contact

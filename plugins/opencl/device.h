@@ -1,4 +1,4 @@
-// An OpenCL device: which one, its memory, its programs. Errors are thrown as sentences; whoever
+// An OpenCL device: which one, and what it is asked. Errors are thrown as sentences; whoever
 // uses the device decides whether the CPU takes over.
 #pragma once
 
@@ -71,97 +71,6 @@ class Device {
     cl_event event;
   };
   mutable std::vector<Launch> launches_;
-};
-
-/// Memory on the device that keeps its size when less is asked for.
-class Buffer {
- public:
-  explicit Buffer(const Device& device) : device_(&device) {}
-  Buffer(Buffer&& other) noexcept;
-  Buffer& operator=(Buffer&&) = delete;
-  ~Buffer();
-  /// At least that many bytes; what was in it is gone if it grows.
-  void reserve(std::size_t bytes);
-  /// `data` must stay as it is until something is read.
-  void write(const void* data, std::size_t bytes);
-  /// Likewise, into what it has room for, from this byte on.
-  void write_at(std::size_t offset, const void* data, std::size_t bytes);
-  /// Waits until that and everything that was asked of the device before is done; without `wait`,
-  /// the next one that waits does.
-  void read(void* data, std::size_t bytes, bool wait = true) const;
-  void read_later(void* data, std::size_t bytes, class Event& read) const;
-  template <class T>
-  void write(const std::vector<T>& data) {
-    write(data.data(), data.size() * sizeof(T));
-  }
-  template <class T>
-  void read(std::vector<T>& data, bool wait = true) const {
-    read(data.data(), data.size() * sizeof(T), wait);
-  }
-  cl_mem get() const { return memory_; }
-
- private:
-  const Device* device_;
-  cl_mem memory_ = nullptr;
-  std::size_t bytes_ = 0;
-};
-
-/// Memory of the host that the device reaches by itself. Drivers wait for a read into any other,
-/// also where they are told not to.
-class Pinned {
- public:
-  Pinned(const Device& device, std::size_t bytes);
-  Pinned(const Pinned&) = delete;
-  Pinned& operator=(const Pinned&) = delete;
-  ~Pinned();
-  void* data() const { return data_; }
-
- private:
-  const Device* device_;
-  cl_mem memory_ = nullptr;
-  void* data_ = nullptr;
-};
-
-/// That something which was asked of the device is done.
-class Event {
- public:
-  Event() = default;
-  Event(const Event&) = delete;
-  Event& operator=(const Event&) = delete;
-  ~Event() { forget(); }
-  void wait(const Device& device);
-
- private:
-  friend class Buffer;
-  void forget();
-  cl_event event_ = nullptr;
-};
-
-class Kernel {
- public:
-  Kernel(const Device& device, cl_program program, const char* name);
-  Kernel(Kernel&& other) noexcept;
-  Kernel& operator=(Kernel&&) = delete;
-  ~Kernel();
-  /// Enqueues it. `total` is rounded up to a multiple of `group`.
-  template <class... Arguments>
-  void operator()(std::size_t total, std::size_t group, const Arguments&... arguments) {
-    cl_uint at = 0;
-    (set(at++, arguments), ...);
-    enqueue(total, group);
-  }
-
- private:
-  void set(cl_uint at, const Buffer& buffer);
-  void set(cl_uint at, cl_int value);
-  void set(cl_uint at, double value);
-  void set(cl_uint at, float value);
-  void set_bytes(cl_uint at, std::size_t size, const void* value);
-  void enqueue(std::size_t total, std::size_t group);
-
-  const Device* device_;
-  cl_kernel kernel_ = nullptr;
-  std::string name_;
 };
 
 }  // namespace sutura::opencl

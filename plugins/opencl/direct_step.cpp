@@ -10,32 +10,15 @@ constexpr Index tile = 32;  // as in direct_step.cl
 
 }  // namespace
 
-struct DirectStep::Program {
-  Program(const Device& device, Precision precision)
-      : program(device.build(definitions(precision) + programs::direct_step,
-                             "-DMOST=" + std::to_string(max_block_dim))),
-        start(device, program, "direct_start"),
-        system(device, program, "direct_system"),
-        eliminate(device, program, "direct_eliminate"),
-        answer(device, program, "direct_answer") {}
-  ~Program() { clReleaseProgram(program); }
-  cl_program program;
-  Kernel start, system, eliminate, answer;
-};
-
 DirectStep::DirectStep(const Device& device, Precision precision)
-    : device_(device),
-      precision_(precision),
+    : program_(device, precision, programs::direct_step, "-DMOST=" + std::to_string(max_block_dim)),
       integers_(device),
       reals_(device),
       delta_(device),
       system_{Buffer(device), Buffer(device)},
       answer_(device) {}
 
-DirectStep::~DirectStep() = default;
-
 void DirectStep::solve(const TangentSystem& s, const Buffer& W, TangentAnswer& answer) {
-  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
   host_integers_.clear();
   host_reals_.clear();
   for (const auto& part : {s.first, s.first_of_block, s.row})
@@ -52,14 +35,14 @@ void DirectStep::solve(const TangentSystem& s, const Buffer& W, TangentAnswer& a
   answer_.reserve((2 * count + rows) * sizeof(Real));
   const auto f = static_cast<cl_int>(count), n = static_cast<cl_int>(rows),
              t = static_cast<cl_int>(tiles);
-  Program& p = *program_;
-  p.start(8 * rows, items, f, n, integers_, reals_, W, delta_);
-  p.system(numbers, items, f, n, t, s.regularisation, integers_, reals_, W, delta_, answer_,
-           system_[0]);
+  program_["direct_start"](8 * rows, items, f, n, integers_, reals_, W, delta_);
+  program_["direct_system"](numbers, items, f, n, t, s.regularisation, integers_, reals_, W, delta_,
+                            answer_, system_[0]);
   for (cl_int k = 0; k < t; ++k)
-    p.eliminate(static_cast<std::size_t>(t * (t - k)) * items, items, k, t, system_[k & 1],
-                system_[(k & 1) ^ 1]);
-  p.answer(8 * rows, items, f, n, t, integers_, reals_, W, system_[t & 1], delta_, answer_);
+    program_["direct_eliminate"](static_cast<std::size_t>(t * (t - k)) * items, items, k, t,
+                                 system_[k & 1], system_[(k & 1) ^ 1]);
+  program_["direct_answer"](8 * rows, items, f, n, t, integers_, reals_, W, system_[t & 1], delta_,
+                            answer_);
   answer.numbers.resize(2 * count + rows);
   answer_.read(answer.numbers);
 }

@@ -1,11 +1,9 @@
 // The direct step on an OpenCL device: direct_step.cl.
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "device.h"
-#include "precision.h"
+#include "program.h"
 
 namespace sutura::opencl {
 
@@ -13,15 +11,11 @@ namespace sutura::opencl {
 class DirectStep {
  public:
   DirectStep(const Device& device, Precision precision);
-  ~DirectStep();
   /// As SweepDevice::solve_tangents has it, with the W that was sent. Waits.
   void solve(const TangentSystem& system, const Buffer& W, TangentAnswer& answer);
 
  private:
-  struct Program;
-  const Device& device_;
-  Precision precision_;
-  std::unique_ptr<Program> program_;
+  Program program_;
   Buffer integers_, reals_, delta_, system_[2], answer_;
   std::vector<std::int32_t> host_integers_;
   std::vector<Real> host_reals_;

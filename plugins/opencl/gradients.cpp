@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <new>
-#include <type_traits>
 
 #include "programs.h"
 
@@ -13,76 +12,21 @@ constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
 
 }  // namespace
 
-struct Gradients::Program {
-  Program(const Device& device, Precision precision)
-      : program(
-            device.build(definitions(precision) + programs::gradients, "-DITEMS=256 -DGROUPS=128")),
-        start(device, program, "start"),
-        look(device, program, "look"),
-        turn_back(device, program, "turn_back"),
-        turn(device, program, "turn"),
-        direction(device, program, "direction"),
-        product(device, program, "product"),
-        advance(device, program, "advance") {}
-  ~Program() { clReleaseProgram(program); }
-  cl_program program;
-  Kernel start, look, turn_back, turn, direction, product, advance;
-};
-
 Gradients::Gradients(const Device& device, Precision precision)
     : device_(device),
-      precision_(precision),
+      real_(size_of_sum(precision)),
+      entry_(size_of_entry(precision)),
       solves_(device, precision),
       elements_(device, precision),
       contacts_(device, precision),
-      full_start_(device),
-      entries_(device),
-      columns_(device),
-      is_fixed_(device),
-      values_(device),
-      then_(device),
-      turns_(device),
-      row_of_(device),
-      position_(device),
-      b_(device),
-      x_(device),
-      r_(device),
-      z_(device),
-      p_(device),
-      q_(device),
-      factor_b_(device),
-      factor_x_(device),
-      size2_(device),
-      residual2_(device),
-      rz_{Buffer(device), Buffer(device)},
-      pq_(device),
-      status_(device),
-      statuses_(device, 2 * sizeof(GradientStatus<double>)) {}
+      program_(device, precision, programs::gradients, "-DITEMS=256 -DGROUPS=128"),
+      statuses_(device, 2 * sizeof(GradientStatus)) {}
 
 Gradients::~Gradients() {
   device_.drain();
 }
 
-template <class T>
-void Gradients::write_as(Buffer& to, const Real* from, std::size_t count) {
-  if constexpr (std::is_same_v<T, Real>) {
-    to.write(from, count * sizeof(Real));
-  } else {
-    rounded_.assign(from, from + count);
-    to.write(rounded_);
-    device_.finish();  // `rounded_` may change from now on
-  }
-}
-
-void Gradients::write_reals(Buffer& to, const Real* from, std::size_t count) {
-  if (has_double_sums(precision_))
-    write_as<double>(to, from, count);
-  else
-    write_as<float>(to, from, count);
-}
-
 void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed) {
-  if (!program_) program_ = std::make_unique<Program>(device_, precision_);
   if (A.nodes == nodes_ && std::ranges::equal(A.row_start, row_start_) &&
       std::ranges::equal(A.column, column_) &&
       std::equal(fixed.begin(), fixed.end(), fixed_.begin()))
@@ -119,19 +63,14 @@ void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed
   entries_.write(entries);
   columns_.write(columns);
   is_fixed_.write(fixed_);
-  const std::size_t real = has_double_sums(precision_) ? 8 : 4, vector = 3 * n * real;
-  for (Buffer* b : {&b_, &x_, &r_, &z_, &p_, &q_}) b->reserve(vector);
-  for (Buffer* b : {&size2_, &residual2_, &rz_[0], &rz_[1], &pq_}) b->reserve(groups * real);
+  for (Numbers* v : {&b_, &x_, &r_, &z_, &p_, &q_}) v->reserve(3 * n);
+  for (Numbers* s : {&size2_, &residual2_, &rz_[0], &rz_[1], &pq_}) s->reserve(groups);
   device_.finish();  // of the vectors above
 }
 
 void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
   set_pattern(A, fixed);
-  const std::size_t count = 9 * column_.size();
-  if (stores_double(precision_))
-    write_as<double>(values_, A.values, count);
-  else
-    write_as<float>(values_, A.values, count);
+  values_.write({A.values, 9 * column_.size()});
   device_.finish();  // of the values: the matrix may go before anything is read
 }
 
@@ -139,7 +78,7 @@ void Gradients::set_elements(const TetElementsView& tets, const NodeMatrixView& 
                              std::span<const char> fixed) {
   set_pattern(pattern, fixed);
   elements_.set(tets, pattern);
-  values_.reserve(9 * column_.size() * (stores_double(precision_) ? 8 : 4));
+  values_.reserve(9 * column_.size());
 }
 
 void Gradients::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
@@ -148,10 +87,7 @@ void Gradients::assemble(const VecX& moved, Real scale, const VecX& diagonal, Ve
 }
 
 void Gradients::read_matrix(std::span<Real> values) {
-  if (stores_double(precision_)) return values_.read(values.data(), values.size_bytes());
-  rounded_.resize(values.size());
-  values_.read(rounded_);
-  std::copy(rounded_.begin(), rounded_.end(), values.begin());
+  values_.read(values);
 }
 
 void Gradients::set_factor(const SupernodalFactor& factor) {
@@ -162,24 +98,22 @@ void Gradients::set_factor(const SupernodalFactor& factor) {
   for (std::size_t k = 0; k < factor.row_of.size(); ++k)
     known_position_[static_cast<std::size_t>(factor.row_of[k])] = static_cast<std::int32_t>(k);
   position_.write(known_position_);
-  const std::size_t real = has_double_sums(precision_) ? 8 : 4;
-  for (Buffer* b : {&factor_b_, &factor_x_})
-    b->reserve(static_cast<std::size_t>(factor.size) * real);
+  for (Numbers* v : {&factor_b_, &factor_x_}) v->reserve(static_cast<std::size_t>(factor.size));
   device_.finish();
 }
 
 void Gradients::set_turns(std::span<const Mat3> turns) {
-  write_reals(turns_, turns.front().data(), 9 * turns.size());
+  turns_.write({turns.front().data(), 9 * turns.size()});
   device_.finish();
 }
 
 void Gradients::find_turns(std::span<const Mat3> of_factor) {
   if (!then_is_there_) {
-    write_reals(then_, of_factor.front().data(), 9 * of_factor.size());
+    then_.write({of_factor.front().data(), 9 * of_factor.size()});
     device_.finish();
     then_is_there_ = true;
   }
-  turns_.reserve(9 * of_factor.size() * (has_double_sums(precision_) ? 8 : 4));
+  turns_.reserve(9 * of_factor.size());
   elements_.find_turns(then_, turns_);
 }
 
@@ -202,94 +136,75 @@ void Gradients::entries_of_inverse(std::span<const Index> rows, std::span<const 
 }
 
 void Gradients::product() {
-  program_->product(groups * items, items, nodes_, full_start_, entries_, columns_, values_,
-                    is_fixed_, p_, q_, pq_, status_);
+  program_["product"](groups * items, items, nodes_, full_start_, entries_, columns_, values_,
+                      is_fixed_, p_, q_, pq_, status_);
 }
 
-void Gradients::precondition(const Buffer& rz) {
+void Gradients::precondition(const Numbers& rz) {
   begin_preconditioning();
   finish_preconditioning(rz);
 }
 
 void Gradients::begin_preconditioning() {
   const auto size = static_cast<cl_int>(solves_.unknowns());
-  program_->turn_back(static_cast<std::size_t>(size), items, size, row_of_, turns_, r_, factor_b_,
-                      status_);
+  program_["turn_back"](static_cast<std::size_t>(size), items, size, row_of_, turns_, r_, factor_b_,
+                        status_);
   solves_.forward_small(factor_b_, factor_x_, status_);
 }
 
-void Gradients::finish_preconditioning(const Buffer& rz) {
+void Gradients::finish_preconditioning(const Numbers& rz) {
   solves_.finish(factor_b_, factor_x_, status_);
-  program_->turn(groups * items, items, nodes_, position_, turns_, factor_x_, r_, z_, rz, status_);
+  program_["turn"](groups * items, items, nodes_, position_, turns_, factor_x_, r_, z_, rz,
+                   status_);
 }
 
-template <class T>
-GradientStatus<T>* Gradients::start(const Eigen::Ref<const VecX>& b) {
-  auto* status = new (statuses_.data()) GradientStatus<T>[2];
+GradientStatus* Gradients::start(const Eigen::Ref<const VecX>& b) {
+  auto* status = new (statuses_.data()) GradientStatus[2];
   status_.write(&status[1], sizeof(status[1]));
-  write_as<T>(b_, b.data(), static_cast<std::size_t>(3 * nodes_));
-  program_->start(groups * items, items, nodes_, is_fixed_, b_, x_, r_, size2_, residual2_);
+  b_.write(b);
+  program_["start"](groups * items, items, nodes_, is_fixed_, b_, x_, r_, size2_, residual2_);
   return status;
 }
 
 void Gradients::begin(const Eigen::Ref<const VecX>& b) {
-  if (has_double_sums(precision_))
-    start<double>(b);
-  else
-    start<float>(b);
+  start(b);
   device_.finish();
 }
 
-template <class T>
-ConjugateGradientDevice::Report Gradients::solve_with(const Eigen::Ref<const VecX>& b,
-                                                      Eigen::Ref<VecX> x, Real tolerance,
-                                                      Index max_iterations) {
-  const auto rows = static_cast<std::size_t>(3 * nodes_);
-  const auto most = static_cast<int>(max_iterations);
-  GradientStatus<T>* status = start<T>(b);
-  Program& p = *program_;
+ConjugateGradientDevice::Report Gradients::solve(const Eigen::Ref<const VecX>& b,
+                                                 Eigen::Ref<VecX> x, Real tolerance,
+                                                 Index max_iterations) {
+  const auto rows = static_cast<cl_int>(3 * nodes_), most = static_cast<cl_int>(max_iterations);
+  const GradientStatus* status = start(b);
   constexpr std::size_t all = groups * items;
-  const auto look = [&](int iteration) {
-    p.look(items, items, iteration, static_cast<T>(tolerance), most, size2_, residual2_, status_);
+  const auto look = [&](cl_int iteration) {
+    program_["look"](items, items, iteration, tolerance, most, size2_, residual2_, status_);
   };
   look(0);
   // The residual is on its way while the first kernels of the next iteration run already: the
   // device does not wait. Once it is done, they return at once.
   Event known;
   for (int k = 1; k <= most + 1; ++k) {
-    status_.read_later(&status[0], sizeof(status[0]), known);
+    status_.read_later(statuses_.data(), sizeof(GradientStatus), known);
     begin_preconditioning();
     known.wait(device_);
-    if (status[0].done) break;
-    finish_preconditioning(rz_[k & 1]);
-    p.direction(all, items, k == 1 ? 1 : 0, static_cast<cl_int>(rows), rz_[k & 1], rz_[(k & 1) ^ 1],
-                z_, p_, status_);
+    if (status->done) break;
+    const Numbers &rz = rz_[k & 1], &rz_before = rz_[(k & 1) ^ 1];
+    finish_preconditioning(rz);
+    program_["direction"](all, items, k == 1 ? 1 : 0, rows, rz, rz_before, z_, p_, status_);
     product();
-    p.advance(all, items, static_cast<cl_int>(rows), rz_[k & 1], pq_, p_, q_, x_, r_, residual2_,
-              status_);
+    program_["advance"](all, items, rows, rz, pq_, p_, q_, x_, r_, residual2_, status_);
     look(k);
   }
-  if constexpr (std::is_same_v<T, Real>) {
-    x_.read(x.data(), rows * sizeof(T));
-  } else {
-    rounded_.resize(rows);
-    x_.read(rounded_);
-    for (std::size_t i = 0; i < rows; ++i) x[static_cast<Index>(i)] = rounded_[i];
-  }
-  const GradientStatus<T>& end = status[0];
+  x_.read(x);
+  const bool exact = real_ == sizeof(double);
+  const Real size = exact ? status->exact[0] : Real{status->rounded[0]},
+             left = exact ? status->exact[1] : Real{status->rounded[1]};
   ConjugateGradientDevice::Report report;
-  report.iterations = end.iterations;
-  report.residual =
-      end.size > 0 ? static_cast<Real>(end.residual) / static_cast<Real>(end.size) : Real(0);
-  report.converged = end.failed == 0 && report.residual <= tolerance;
+  report.iterations = status->iterations;
+  report.residual = size > 0 ? left / size : Real(0);
+  report.converged = status->failed == 0 && report.residual <= tolerance;
   return report;
-}
-
-ConjugateGradientDevice::Report Gradients::solve(const Eigen::Ref<const VecX>& b,
-                                                 Eigen::Ref<VecX> x, Real tolerance,
-                                                 Index max_iterations) {
-  if (has_double_sums(precision_)) return solve_with<double>(b, x, tolerance, max_iterations);
-  return solve_with<float>(b, x, tolerance, max_iterations);
 }
 
 }  // namespace sutura::opencl

@@ -2,34 +2,32 @@
 // need.
 #pragma once
 
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "contact_compliance.h"
-#include "device.h"
 #include "elements.h"
 #include "panels.h"
-#include "precision.h"
 
 namespace sutura::opencl {
 
 /// (L L^T)^-1 on the device, in the order of the factor.
 class Solves {
  public:
-  Solves(const Device& device, Precision precision);
-  ~Solves();
+  Solves(const Device& device, Precision precision)
+      : device_(device), precision_(precision), real_(size_of_sum(precision)) {}
   void set_factor(const SupernodalFactor& factor);
   Index unknowns() const { return size_; }
   /// x <- (L L^T)^-1 b, unless *done.
-  void solve(const Buffer& b, const Buffer& x, const Buffer& done) {
+  void solve(const Numbers& b, const Numbers& x, const Buffer& done) {
     forward_small(b, x, done);
     finish(b, x, done);
   }
   /// The same in two parts: the small subtrees on the way forward, and the rest.
-  void forward_small(const Buffer& b, const Buffer& x, const Buffer& done) {
+  void forward_small(const Numbers& b, const Numbers& x, const Buffer& done) {
     forward_small({b, below_, y_, x, done, 1});
   }
-  void finish(const Buffer& b, const Buffer& x, const Buffer& done) {
+  void finish(const Numbers& b, const Numbers& x, const Buffer& done) {
     finish({b, below_, y_, x, done, 1});
   }
   static constexpr int most_columns = 32;  ///< that memory is taken for
@@ -41,10 +39,10 @@ class Solves {
   std::size_t launches() const { return 2 * (schedule_.tiers.size() + schedule_.levels.size()); }
 
  private:
-  struct Program;
   /// Right-hand sides, what panels leave of each, y, x.
   struct Sides {
-    const Buffer &b, &below, &y, &x, &done;
+    const Numbers &b, &below, &y, &x;
+    const Buffer& done;
     cl_int count;
   };
   bool same_pattern(const SupernodalFactor& factor) const;
@@ -59,22 +57,29 @@ class Solves {
 
   const Device& device_;
   Precision precision_;
+  std::size_t real_;  ///< bytes
   Index size_ = 0;
   Schedule schedule_;
   std::vector<std::int32_t> first_column_, row_, row_of_;  // the pattern that `schedule_` is for
-  std::unique_ptr<Program> program_;
-  Buffer panels_, gather_, gather_more_, rows_, subtree_start_, subtree_, row_tasks_, column_tasks_,
-      triangle_tasks_, multiply_tasks_, value_, z_, below_, y_, not_done_, many_[4], positions_,
-      rows_wanted_, picked_;
-  std::vector<double> doubles_;
-  std::vector<float> floats_;
+  bool rough_ = false;  ///< what the program was made for: a factor in single precision
+  std::optional<Program> program_;
+  Buffer panels_{device_}, gather_{device_}, gather_more_{device_}, rows_{device_},
+      subtree_start_{device_}, subtree_{device_}, row_tasks_{device_}, column_tasks_{device_},
+      triangle_tasks_{device_}, multiply_tasks_{device_}, value_{device_}, z_{device_},
+      not_done_{device_}, positions_{device_}, rows_wanted_{device_};
+  Numbers below_{device_, real_}, y_{device_, real_}, many_b_{device_, real_},
+      many_below_{device_, real_}, many_y_{device_, real_}, many_x_{device_, real_},
+      picked_{device_, real_};
+  std::vector<Real> host_picked_;
 };
 
-/// As in gradients.cl.
-template <class T>
+/// As in gradients.cl, where its numbers are `real`.
 struct GradientStatus {
   cl_int done = 0, iterations = 0, failed = 0, unused = 0;
-  T size = 0, residual = 0;
+  union {
+    double exact[2] = {};  // size, residual
+    float rounded[2];
+  };
 };
 
 class Gradients {
@@ -111,37 +116,33 @@ class Gradients {
   const Solves& solves() const { return solves_; }
 
  private:
-  struct Program;
-  template <class T>
-  ConjugateGradientDevice::Report solve_with(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
-                                             Real tolerance, Index max_iterations);
-  template <class T>
-  void write_as(Buffer& to, const Real* from, std::size_t count);
   /// The status: nothing is done yet. x <- 0, r <- b.
-  template <class T>
-  GradientStatus<T>* start(const Eigen::Ref<const VecX>& b);
-  void write_reals(Buffer& to, const Real* from, std::size_t count);
+  GradientStatus* start(const Eigen::Ref<const VecX>& b);
   void set_pattern(const NodeMatrixView& A, std::span<const char> fixed);
   /// z <- P^-1 r, rz <- r . z.
-  void precondition(const Buffer& rz);
+  void precondition(const Numbers& rz);
   void begin_preconditioning();
-  void finish_preconditioning(const Buffer& rz);
+  void finish_preconditioning(const Numbers& rz);
 
   const Device& device_;
-  Precision precision_;
+  std::size_t real_, entry_;  ///< bytes
   Solves solves_;
   Elements elements_;
   ContactCompliance contacts_;
-  std::unique_ptr<Program> program_;
+  Program program_;
   int nodes_ = 0;
   std::vector<std::int32_t> row_start_, column_;  // the pattern on the device
   std::vector<char> fixed_;
   std::vector<std::int32_t> known_position_, entry_rows_, entry_columns_;
-  Buffer full_start_, entries_, columns_, is_fixed_, values_, then_, turns_, row_of_, position_;
-  Buffer b_, x_, r_, z_, p_, q_, factor_b_, factor_x_, size2_, residual2_, rz_[2], pq_, status_;
+  Buffer full_start_{device_}, entries_{device_}, columns_{device_}, is_fixed_{device_},
+      row_of_{device_}, position_{device_}, status_{device_};
+  Numbers values_{device_, entry_}, then_{device_, real_}, turns_{device_, real_};
+  Numbers b_{device_, real_}, x_{device_, real_}, r_{device_, real_}, z_{device_, real_},
+      p_{device_, real_}, q_{device_, real_}, factor_b_{device_, real_}, factor_x_{device_, real_};
+  Numbers size2_{device_, real_}, residual2_{device_, real_},
+      rz_[2]{{device_, real_}, {device_, real_}}, pq_{device_, real_};
   bool then_is_there_ = false;  ///< rotations of the factor
-  std::vector<float> rounded_;
-  Pinned statuses_;  // two: the last one, and how an iteration begins
+  Pinned statuses_;             // two: the last one, and how an iteration begins
 };
 
 }  // namespace sutura::opencl

@@ -1,5 +1,7 @@
 #include "opencl_device.h"
 
+#include <type_traits>
+
 namespace sutura::opencl {
 
 void OpenClDevice::describe(Describe<OpenClDevice>& d) {
@@ -56,7 +58,12 @@ template <class Work>
 bool OpenClDevice::attempt(const Work& work) {
   if (lost_) return false;
   try {
-    why_not_ = work();
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      why_not_.clear();
+    } else {
+      why_not_ = work();
+    }
   } catch (const DeviceError& e) {
     device_->drain();  // of what was lent to it before it failed
     lost_ = true;
@@ -73,106 +80,64 @@ bool OpenClDevice::load(const ConstraintProblem& problem) {
 }
 
 bool OpenClDevice::sweep(ConstraintProblem& problem, std::span<const std::uint32_t> orders) {
-  return attempt([&] {
-    sweeps_->sweep(problem, orders);
-    return std::string();
-  });
+  return attempt([&] { sweeps_->sweep(problem, orders); });
 }
 
 bool OpenClDevice::solve_tangents(const TangentSystem& system, TangentAnswer& answer) {
-  return has_double_sums(in_use_) && attempt([&] {
-           sweeps_->solve_tangents(system, answer);
-           return std::string();
-         });
+  return has_double_sums(in_use_) && attempt([&] { sweeps_->solve_tangents(system, answer); });
 }
 
 bool OpenClDevice::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
-  return attempt([&] {
-    gradients_->set_matrix(A, fixed);
-    return std::string();
-  });
+  return attempt([&] { gradients_->set_matrix(A, fixed); });
 }
 
 bool OpenClDevice::set_elements(const TetElementsView& tets, const NodeMatrixView& pattern,
                                 std::span<const char> fixed) {
-  return attempt([&] {
-    gradients_->set_elements(tets, pattern, fixed);
-    return std::string();
-  });
+  return attempt([&] { gradients_->set_elements(tets, pattern, fixed); });
 }
 
 bool OpenClDevice::set_viscosity(const VecX& moved, Real share) {
-  return attempt([&] {
-    gradients_->set_viscosity(moved, share);
-    return std::string();
-  });
+  return attempt([&] { gradients_->set_viscosity(moved, share); });
 }
 
 bool OpenClDevice::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
                             std::vector<Mat3>& rotations) {
-  return attempt([&] {
-    gradients_->assemble(moved, scale, diagonal, force, rotations);
-    return std::string();
-  });
+  return attempt([&] { gradients_->assemble(moved, scale, diagonal, force, rotations); });
 }
 
 bool OpenClDevice::element_force(const VecX& moved, VecX& force) {
-  return attempt([&] {
-    gradients_->element_force(moved, force);
-    return std::string();
-  });
+  return attempt([&] { gradients_->element_force(moved, force); });
 }
 
 bool OpenClDevice::read_matrix(std::span<Real> values) {
-  return attempt([&] {
-    gradients_->read_matrix(values);
-    return std::string();
-  });
+  return attempt([&] { gradients_->read_matrix(values); });
 }
 
 bool OpenClDevice::set_factor(const SupernodalFactor& factor) {
-  return attempt([&] {
-    gradients_->set_factor(factor);
-    return std::string();
-  });
+  return attempt([&] { gradients_->set_factor(factor); });
 }
 
 bool OpenClDevice::set_turns(std::span<const Mat3> turns) {
-  return attempt([&] {
-    gradients_->set_turns(turns);
-    return std::string();
-  });
+  return attempt([&] { gradients_->set_turns(turns); });
 }
 
 bool OpenClDevice::find_turns(std::span<const Mat3> of_factor) {
-  return attempt([&] {
-    gradients_->find_turns(of_factor);
-    return std::string();
-  });
+  return attempt([&] { gradients_->find_turns(of_factor); });
 }
 
 bool OpenClDevice::solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                          Index max_iterations, ConjugateGradientDevice::Report& report) {
-  return attempt([&] {
-    report = gradients_->solve(b, x, tolerance, max_iterations);
-    return std::string();
-  });
+  return attempt([&] { report = gradients_->solve(b, x, tolerance, max_iterations); });
 }
 
 bool OpenClDevice::entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,
                                       Eigen::Ref<MatX> entries) {
-  return attempt([&] {
-    gradients_->entries_of_inverse(rows, columns, entries);
-    return std::string();
-  });
+  return attempt([&] { gradients_->entries_of_inverse(rows, columns, entries); });
 }
 
 bool OpenClDevice::add_compliance(const KnownCompliance& known, const SparseRows& rows, Real scale,
                                   Eigen::Ref<MatX> W) {
-  return attempt([&] {
-    gradients_->add_compliance(known, rows, scale, W);
-    return std::string();
-  });
+  return attempt([&] { gradients_->add_compliance(known, rows, scale, W); });
 }
 
 }  // namespace sutura::opencl

@@ -25,5 +25,12 @@ inline bool has_double_sums(Precision p) {
 inline bool stores_double(Precision p) {
   return p == Precision::double_;
 }
+/// Bytes of a number of the sums, and of one of the matrices.
+inline std::size_t size_of_sum(Precision p) {
+  return has_double_sums(p) ? 8 : 4;
+}
+inline std::size_t size_of_entry(Precision p) {
+  return stores_double(p) ? 8 : 4;
+}
 
 }  // namespace sutura::opencl

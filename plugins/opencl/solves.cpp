@@ -5,7 +5,6 @@
 
 #include "gradients.h"
 #include "programs.h"
-#include "solves_program.h"
 
 namespace sutura::opencl {
 namespace {
@@ -19,56 +18,7 @@ constexpr std::array<std::int64_t, 3> least{1500, 6000, 20000};
 /// Numbers of a front that fit into local memory.
 constexpr int front = 2560;
 
-std::string sizes() {
-  return "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width) +
-         " -DFRONT=" + std::to_string(front);
-}
-
 }  // namespace
-
-Solves::Program::Program(const Device& device, Precision precision, bool rough)
-    : rough(rough),
-      program(device.build(definitions(precision) + "typedef " + (rough ? "float" : "double") +
-                               " number;\n" + programs::solves,
-                           sizes())),
-      invert_tiles(device, program, "invert_tiles"),
-      invert_columns(device, program, "invert_columns"),
-      multiply_below(device, program, "multiply_below"),
-      forward(device, program, "solve_forward"),
-      back(device, program, "solve_back"),
-      subtrees(device, program, "solve_subtrees"),
-      back_subtrees(device, program, "solve_back_subtrees"),
-      units(device, program, "many_units"),
-      entries(device, program, "many_entries") {}
-
-Solves::Program::~Program() {
-  clReleaseProgram(program);
-}
-
-Solves::Solves(const Device& device, Precision precision)
-    : device_(device),
-      precision_(precision),
-      panels_(device),
-      gather_(device),
-      gather_more_(device),
-      rows_(device),
-      subtree_start_(device),
-      subtree_(device),
-      row_tasks_(device),
-      column_tasks_(device),
-      triangle_tasks_(device),
-      multiply_tasks_(device),
-      value_(device),
-      z_(device),
-      below_(device),
-      y_(device),
-      not_done_(device),
-      many_{Buffer(device), Buffer(device), Buffer(device), Buffer(device)},
-      positions_(device),
-      rows_wanted_(device),
-      picked_(device) {}
-
-Solves::~Solves() = default;
 
 bool Solves::same_pattern(const SupernodalFactor& f) const {
   return size_ == f.size && std::ranges::equal(first_column_, f.first_column) &&
@@ -77,8 +27,14 @@ bool Solves::same_pattern(const SupernodalFactor& f) const {
 
 void Solves::set_factor(const SupernodalFactor& factor) {
   const bool rough = !factor.rough.empty() || !has_double_sums(precision_);
-  if (!program_ || program_->rough != rough)
-    program_ = std::make_unique<Program>(device_, precision_, rough);
+  if (!program_ || rough_ != rough) {
+    rough_ = rough;
+    program_.emplace(
+        device_, precision_,
+        std::string("typedef ") + (rough ? "float" : "double") + " number;\n" + programs::solves,
+        "-DITEMS=256 -DMOST_WIDTH=" + std::to_string(most_width) +
+            " -DFRONT=" + std::to_string(front));
+  }
   if (!same_pattern(factor)) {
     size_ = factor.size;
     first_column_.assign(factor.first_column.begin(), factor.first_column.end());
@@ -100,7 +56,6 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     triangle_tasks_.write(schedule_.triangles);
     multiply_tasks_.write(schedule_.below);
   }
-  const std::size_t number = rough ? 4 : 8, real = has_double_sums(precision_) ? 8 : 4;
   std::vector<float> rounded;
   if (!rough) {
     value_.write(factor.value.data(), factor.value.size_bytes());
@@ -110,40 +65,43 @@ void Solves::set_factor(const SupernodalFactor& factor) {
     rounded.assign(factor.value.begin(), factor.value.end());
     value_.write(rounded);
   }
-  z_.reserve(static_cast<std::size_t>(schedule_.z_size) * number);
-  below_.reserve((static_cast<std::size_t>(schedule_.below_size) + 2) * real);
-  const double nothing = 0;
-  below_.write_at(static_cast<std::size_t>(schedule_.below_size) * real, &nothing, real);
-  y_.reserve(static_cast<std::size_t>(size_) * real);
+  z_.reserve(static_cast<std::size_t>(schedule_.z_size) * (rough ? 4 : 8));
+  below_.reserve(static_cast<std::size_t>(left()));
+  const Real nothing = 0;
+  below_.write_at(static_cast<std::size_t>(schedule_.below_size), {&nothing, 1});
+  y_.reserve(static_cast<std::size_t>(size_));
   const cl_int no[4] = {};
   not_done_.write(no, sizeof(no));
   Program& p = *program_;
-  p.invert_tiles(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
-  p.invert_columns(schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_, z_);
-  p.multiply_below(schedule_.below.size() * items, items, multiply_tasks_, panels_, value_, z_);
+  p["invert_tiles"](schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_,
+                    z_);
+  p["invert_columns"](schedule_.triangles.size() * items, items, triangle_tasks_, panels_, value_,
+                      z_);
+  p["multiply_below"](schedule_.below.size() * items, items, multiply_tasks_, panels_, value_, z_);
   device_.finish();  // the factor may change from now on
 }
 
 void Solves::forward_small(const Sides& s) {
   for (const Schedule::Range& t : schedule_.tiers)
-    program_->subtrees(groups(t, s), items, t.first, t.count, size(), left(), subtree_start_,
-                       subtree_, panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
+    (*program_)["solve_subtrees"](groups(t, s), items, t.first, t.count, size(), left(),
+                                  subtree_start_, subtree_, panels_, gather_, gather_more_, z_, s.b,
+                                  s.below, s.y, s.done);
 }
 
 void Solves::finish(const Sides& s) {
   Program& p = *program_;
   for (const Schedule::Level& l : schedule_.levels)
-    p.forward(groups(l.rows, s), items, l.rows.first, l.rows.count, size(), left(), row_tasks_,
-              panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
+    p["solve_forward"](groups(l.rows, s), items, l.rows.first, l.rows.count, size(), left(),
+                       row_tasks_, panels_, gather_, gather_more_, z_, s.b, s.below, s.y, s.done);
   for (std::size_t n = schedule_.levels.size(); n-- > 0;) {
     const Schedule::Range& l = schedule_.levels[n].columns;
-    p.back(groups(l, s), items, l.first, l.count, size(), column_tasks_, panels_, rows_, z_, s.y,
-           s.x, s.done);
+    p["solve_back"](groups(l, s), items, l.first, l.count, size(), column_tasks_, panels_, rows_,
+                    z_, s.y, s.x, s.done);
   }
   for (std::size_t n = schedule_.tiers.size(); n-- > 0;) {
     const Schedule::Range& t = schedule_.tiers[n];
-    p.back_subtrees(groups(t, s), items, t.first, t.count, size(), subtree_start_, subtree_,
-                    panels_, rows_, z_, s.y, s.x, s.done);
+    p["solve_back_subtrees"](groups(t, s), items, t.first, t.count, size(), subtree_start_,
+                             subtree_, panels_, rows_, z_, s.y, s.x, s.done);
   }
 }
 
@@ -151,32 +109,25 @@ void Solves::entries_of_inverse(const std::vector<std::int32_t>& rows,
                                 const std::vector<std::int32_t>& columns,
                                 Eigen::Ref<MatX> entries) {
   assert(columns.size() <= most_columns && entries.rows() == static_cast<Index>(rows.size()));
-  const std::size_t real = has_double_sums(precision_) ? 8 : 4, count = columns.size(),
-                    all = static_cast<std::size_t>(size_) * count, picked = rows.size() * count;
-  for (Buffer* buffer : {&many_[0], &many_[2], &many_[3]}) buffer->reserve(all * real);
-  many_[1].reserve(static_cast<std::size_t>(left()) * count * real);
+  const std::size_t count = columns.size(), all = static_cast<std::size_t>(size_) * count,
+                    picked = rows.size() * count;
+  for (Numbers* v : {&many_b_, &many_y_, &many_x_}) v->reserve(all);
+  many_below_.reserve(static_cast<std::size_t>(left()) * count);
   positions_.write(columns);
   rows_wanted_.write(rows);
   const auto sides = static_cast<cl_int>(count);
-  program_->units(all, items, size(), sides, left(), static_cast<cl_int>(schedule_.below_size),
-                  positions_, many_[0], many_[1]);
-  const Sides s{many_[0], many_[1], many_[2], many_[3], not_done_, sides};
+  (*program_)["many_units"](all, items, size(), sides, left(),
+                            static_cast<cl_int>(schedule_.below_size), positions_, many_b_,
+                            many_below_);
+  const Sides s{many_b_, many_below_, many_y_, many_x_, not_done_, sides};
   forward_small(s);
   finish(s);
-  picked_.reserve(picked * real);
-  program_->entries(picked, items, static_cast<cl_int>(rows.size()), sides, size(), rows_wanted_,
-                    many_[3], picked_);
-  const auto take = [&](auto& numbers) {
-    numbers.resize(picked);
-    picked_.read(numbers);
-    for (std::size_t c = 0; c < count; ++c)
-      for (std::size_t r = 0; r < rows.size(); ++r)
-        entries(static_cast<Index>(r), static_cast<Index>(c)) = numbers[c * rows.size() + r];
-  };
-  if (has_double_sums(precision_))
-    take(doubles_);
-  else
-    take(floats_);
+  picked_.reserve(picked);
+  (*program_)["many_entries"](picked, items, static_cast<cl_int>(rows.size()), sides, size(),
+                              rows_wanted_, many_x_, picked_);
+  host_picked_.resize(picked);
+  picked_.read(host_picked_);
+  entries = Eigen::Map<const MatX>(host_picked_.data(), entries.rows(), entries.cols());
 }
 
 }  // namespace sutura::opencl

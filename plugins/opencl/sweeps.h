@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "device.h"
 #include "direct_step.h"
-#include "precision.h"
 #include "sutura/constraints.h"
 
 namespace sutura::opencl {
@@ -32,7 +31,7 @@ class Sweeps {
 
   /// With double sums only.
   void solve_tangents(const TangentSystem& system, TangentAnswer& answer) {
-    direct_.solve(system, raw_, answer);
+    direct_.solve(system, raw_.memory(), answer);
   }
 
   // The parts of `sweep`, for benchmarks: what is sent, what is computed, what comes back.
@@ -41,36 +40,26 @@ class Sweeps {
   void receive(ConstraintProblem& problem);
 
  private:
-  struct Program;
+  /// For blocks of up to dim_ rows, and for a number of lanes.
   Program& program();
-  /// What is sent and received as numbers of the precision of sums; it has to stay until the
-  /// device has answered.
-  template <class T>
-  struct Numbers {
-    std::vector<T> W, parameters, state;
-  };
-  template <class T>
-  Numbers<T>& numbers();
-  template <class T>
-  void load_numbers(const ConstraintProblem& problem);
-  template <class T>
-  void send_numbers(const ConstraintProblem& problem);
-  template <class T>
-  void receive_numbers(ConstraintProblem& problem);
 
   const Device& device_;
   Precision precision_;
+  std::size_t real_, entry_;  ///< bytes
   int in_one_group_;
   int blocks_ = 0, rows_ = 0, dim_ = 1, stride_ = 0;
-  std::vector<std::unique_ptr<Program>> programs_;
+  std::map<std::pair<int, int>, Program> programs_;
   DirectStep direct_;
 
-  Buffer raw_, W_, diagonal_, inverses_, laws_, dims_, first_row_, first_parameter_, parameters_,
-      orders_, changes_, state_, modes_;
+  Buffer laws_{device_}, dims_{device_}, first_row_{device_}, first_parameter_{device_},
+      orders_{device_}, modes_{device_};
+  Numbers raw_{device_, real_}, W_{device_, entry_}, diagonal_{device_, real_},
+      inverses_{device_, real_}, parameters_{device_, real_}, changes_{device_, real_},
+      state_{device_, real_};
+  // What is sent and received stays until the device has answered.
   std::vector<cl_int> host_laws_, host_dims_, host_first_row_, host_first_parameter_;
   std::vector<cl_uchar> host_modes_;
-  Numbers<double> double_;
-  Numbers<float> float_;
+  std::vector<Real> host_parameters_, host_state_;
 };
 
 }  // namespace sutura::opencl

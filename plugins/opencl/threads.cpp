@@ -118,22 +118,8 @@ Threads::Threads(const Device& device, const ThreadsProblem& p, Index environmen
       points_(p.points()),
       state_bytes_(
           bytes_of_state(static_cast<std::size_t>(beams_), static_cast<std::size_t>(points_))),
-      program_(device.build(std::string(programs::batch) + programs::batch_solve, definitions(p))),
-      assemble_(device, program_, "batch_assemble"),
-      factor_(device, program_, "batch_factor"),
-      answer_(device, program_, "batch_answer"),
-      friction_(device, program_, "batch_friction"),
-      move_(device, program_, "batch_move"),
-      reset_(device, program_, "batch_reset"),
-      observe_(device, program_, "batch_observe"),
-      problem_(device),
-      path_(device),
-      rest_(device),
-      which_(device),
-      velocities_(device),
-      states_(device),
-      works_(device),
-      observations_(device),
+      program_(device, Precision::double_, std::string(programs::batch) + programs::batch_solve,
+               definitions(p)),
       numbers_(numbers_of(p)) {
   const auto count = static_cast<std::size_t>(environments);
   const std::vector<Real> path = points_and_tangents(p), rest = rest_of(p);
@@ -147,16 +133,13 @@ Threads::Threads(const Device& device, const ThreadsProblem& p, Index environmen
   reset({});
 }
 
-Threads::~Threads() {
-  clReleaseProgram(program_);
-}
-
 void Threads::reset(std::span<const std::uint8_t> which) {
   if (!which.empty()) expect(which.size(), environments_, 1, "flags of what to reset");
   host_which_.assign(static_cast<std::size_t>(environments_), which.empty() ? 1 : 0);
   std::copy(which.begin(), which.end(), host_which_.begin());
   which_.write(host_which_);
-  reset_(host_which_.size(), group, which_, rest_, states_, static_cast<cl_int>(environments_));
+  program_["batch_reset"](host_which_.size(), group, which_, rest_, states_,
+                          static_cast<cl_int>(environments_));
   device_.finish();
 }
 
@@ -168,18 +151,18 @@ void Threads::step(std::span<const Real> velocities, Real dt) {
     problem_.write(&numbers_, sizeof(numbers_));
   }
   velocities_.write(velocities.data(), velocities.size_bytes());
-  assemble_(items, group, problem_, path_, velocities_, states_, works_);
-  factor_(items, group, states_, works_);
-  answer_(items, group, works_);
-  friction_(items, group, problem_, path_, states_, works_);
-  move_(items, group, problem_, states_, works_);
+  program_["batch_assemble"](items, group, problem_, path_, velocities_, states_, works_);
+  program_["batch_factor"](items, group, states_, works_);
+  program_["batch_answer"](items, group, works_);
+  program_["batch_friction"](items, group, problem_, path_, states_, works_);
+  program_["batch_move"](items, group, problem_, states_, works_);
   device_.finish();
 }
 
 void Threads::observe(std::span<Real> out) {
   expect(out.size(), environments_, observations(), "places for observations");
-  observe_(static_cast<std::size_t>(environments_), group, problem_, states_,
-           static_cast<cl_int>(environments_), observations_);
+  program_["batch_observe"](static_cast<std::size_t>(environments_), group, problem_, states_,
+                            static_cast<cl_int>(environments_), observations_);
   observations_.read(out.data(), out.size_bytes());
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "device.h"
+#include "program.h"
 
 namespace sutura::opencl {
 
@@ -45,7 +45,6 @@ class Threads {
  public:
   /// They are at rest. The device has double precision, the problem nothing wrong.
   Threads(const Device& device, const ThreadsProblem& problem, Index environments);
-  ~Threads();
   Threads(const Threads&) = delete;
   Threads& operator=(const Threads&) = delete;
 
@@ -66,9 +65,9 @@ class Threads {
   const Device& device_;
   Index environments_, beams_, points_;
   std::size_t state_bytes_;
-  cl_program program_;
-  Kernel assemble_, factor_, answer_, friction_, move_, reset_, observe_;
-  Buffer problem_, path_, rest_, which_, velocities_, states_, works_, observations_;
+  Program program_;
+  Buffer problem_{device_}, path_{device_}, rest_{device_}, which_{device_}, velocities_{device_},
+      states_{device_}, works_{device_}, observations_{device_};
   ThreadsNumbers numbers_;
   std::vector<std::uint8_t> host_which_;
 };

@@ -214,11 +214,18 @@ Puncture::Front Puncture::find_entry() {
                    : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
     return Front::overrun;
   }
-  if (!hit) return Front::none;
+  if (!hit || is_beyond(*hit)) return Front::none;
   beside_ = is_beside(*hit, reach_ + dent);
   if (beside_) return Front::none;
   touched_ = *hit;
   return Front::entry;
+}
+
+/// Behind a surface that it has not pressed in, and not inside: on the far side of something thin.
+bool Puncture::is_beyond(const SurfacePoint& hit) const {
+  if (presses_ || hit.distance > -still_outside * reach_) return false;
+  const Vec3 tip = path_->thread().point(0, Configuration::start);
+  return !path_->tissue().locate(tip, Configuration::start);
 }
 
 /// The law knows a plane, which goes on beside the surface. Whether the tip goes past the edge of

@@ -33,6 +33,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   std::optional<Vec3> find_front();
   Front find_entry();
   bool meet_on_the_way();
+  bool is_beyond(const SurfacePoint& hit) const;
   bool is_beside(const SurfacePoint& hit, Real reach) const;
   Front find_exit();
   Front find_layer();

@@ -63,6 +63,7 @@ class TissueStep {
   void add_outer_forces();
   void balance(const StepContext& context);
   void solve_what_matters(Real dt, VecX& momentum);
+  Real size_of_free(const VecX& momentum) const;
   Real moved_since_linearised() const;
   Real rounding_of(Real dt) const;
 
@@ -85,6 +86,7 @@ class TissueStep {
   VecX linearised_at_;            ///< positions at which A was made
   bool solver_is_ready_ = false;  ///< for this step
   bool is_restored_ = false;      ///< A, whose rotations have to be found again
+  VecX pushed_;                   ///< by constraints, in this pass (N s)
   Real asked_ = 0;                ///< of A by this pass (N s)
   bool outdated_ = false;         ///< A has not answered well since it was made
   Real assembled_for_ = 0;        ///< and the length of the step (s)

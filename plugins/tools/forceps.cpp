@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "key_frames.h"
 #include "sutura/geometry/poses.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/scene.h"
@@ -30,18 +29,11 @@ Vec3 arm_across(const CurveBody& curve, Real s, const Vec3& closing, Configurati
 
 void Forceps::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  if (!(axis_.norm() > 0)) {
-    setup.error(*this, "'axis' is zero; expected the direction in which the jaws close");
-    return;
-  }
-  if (const std::string wrong = GraspSchedule::check(grasp_, release_); !wrong.empty()) {
-    setup.error(*this, wrong);
-    return;
-  }
-  closing_.plan(GraspSchedule(grasp_, release_));
-  space_.half = size_ / 2;
-  const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
-  as_modelled_ = {centre_, (rotation_from_vector(rotation_) * laid).normalized()};
+  for (const std::string& wrong : {place(), plan()})
+    if (!wrong.empty()) {
+      setup.error(*this, wrong);
+      return;
+    }
   for (Component* c : setup.scene->components()) {
     const Target target{dynamic_cast<SegmentedCurve*>(c), dynamic_cast<MeshedSolid*>(c)};
     if (target.curve == nullptr && target.solid == nullptr) continue;
@@ -52,29 +44,12 @@ void Forceps::initialise(Setup& setup) {
                              : "there is no thread and no tissue that could be held");
 }
 
-Pose Forceps::placed(Configuration c) const {
-  if (!track_) return as_modelled_;
-  return compose(c == Configuration::start ? track_->start_pose() : track_->pose(), as_modelled_);
-}
-
 void Forceps::drive(const StepContext& context) {
-  if (!closing_.update(context)) return;
+  if (!update(context)) return;
   pieces_.clear();
   applied_ = {};
   sliding_ = false;
-  take_ = closing_.closed();
-  taken_ = context.time;
-}
-
-void Forceps::look(const SegmentedCurve& curve, Configuration c) {
-  curve.segments(c, seen_);
-  const Pose frame = placed(c);
-  const Quat back = frame.rotation.conjugate();
-  for (CurveSegment& s : seen_) {
-    s.xa = seen_from(frame, s.xa), s.xb = seen_from(frame, s.xb);
-    s.ma = back * s.ma, s.mb = back * s.mb;
-  }
-  space_.stretches(seen_, stretches_);
+  take_ = holding();
 }
 
 void Forceps::take() {
@@ -84,8 +59,9 @@ void Forceps::take() {
       take_patch(target);
       continue;
     }
-    look(*targets_[i].curve, Configuration::start);
-    for (const JawSpace::Stretch& s : stretches_) take_strand(target, s);
+    const Pose frame = placed(Configuration::start);
+    for (const JawSpace::Stretch& s : look(*targets_[i].curve, Configuration::start, frame))
+      take_strand(target, s);
   }
   for (Piece& piece : pieces_) piece.share = 1 / static_cast<Real>(pieces_.size());
 }
@@ -157,7 +133,7 @@ void Forceps::detect(const StepContext& context) {
   if (context.pass == 0) {
     if (take_) take();
     take_ = false;
-    const Real open = still_open(context, taken_, closing_time_);
+    const Real open = still_open(context);
     for (Piece& piece : pieces_)
       for (Point& p : piece.points)
         begin_step(targets_[static_cast<std::size_t>(piece.target)], open, p);
@@ -222,27 +198,27 @@ void Forceps::commit(const StepContext&, const SolvedBlocks& solved) {
 }
 
 void Forceps::follow_strands() {
+  const Pose frame = placed(Configuration::current);
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     if (targets_[i].curve == nullptr) continue;
     const auto is_here = [&](const Piece& p) { return p.target == static_cast<Index>(i); };
     if (std::none_of(pieces_.begin(), pieces_.end(), is_here)) continue;
-    look(*targets_[i].curve, Configuration::current);
+    auto& stretches = look(*targets_[i].curve, Configuration::current, frame);
     // A strand is known by its place: it moves a little from step to step, and others are beside.
     const Real reach = space_.half.head<2>().norm();
     std::erase_if(pieces_, [&](Piece& piece) {
       if (!is_here(piece)) return false;
       const auto nearest =
-          std::min_element(stretches_.begin(), stretches_.end(), [&](const auto& a, const auto& b) {
+          std::min_element(stretches.begin(), stretches.end(), [&](const auto& a, const auto& b) {
             return (a.middle - piece.place).norm() < (b.middle - piece.place).norm();
           });
-      if (nearest == stretches_.end() || (nearest->middle - piece.place).norm() > reach)
-        return true;
+      if (nearest == stretches.end() || (nearest->middle - piece.place).norm() > reach) return true;
       for (Point& p : piece.points) {
         const std::size_t number = static_cast<std::size_t>(&p - piece.points.data());
         p.s = nearest->low + sections[number / 2] * (nearest->high - nearest->low);
       }
       piece.place = nearest->middle;
-      stretches_.erase(nearest);
+      stretches.erase(nearest);
       return false;
     });
   }
@@ -265,9 +241,8 @@ void Forceps::drop_what_is_out() {
 }
 
 void Forceps::archive(Archive& a) {
-  closing_.archive(a);
+  archive_jaws(a);
   a("take", take_);
-  a("taken", taken_);
   a("next_id", next_id_);
   a("sliding", sliding_);
   a("applied", applied_);
@@ -334,36 +309,18 @@ void Forceps::describe(Describe<Forceps>& d) {
       "body begins with 'settle'.");
   d.link("body", &Forceps::body_, "Only this is taken; left out: any thread or tissue.")
       .named_only();
-  d.link("track", &Forceps::track_,
-         "The motion of the jaws; left out, where none is in reach: none.")
-      .optional();
-  d.attribute("centre", &Forceps::centre_, "m", between(-1e6, 1e6),
-              "Middle of the space between the open jaws, as modelled: before the track moves it.");
-  d.attribute("axis", &Forceps::axis_, "1", any(), "Direction in which the jaws close.");
-  d.attribute("rotation", &Forceps::rotation_, "rad", between(-1e4, 1e4),
-              "Rotation vector about the centre, after the axis has been laid as said.");
-  d.attribute("size", &Forceps::size_, "m", between(1e-6, 1e3),
-              "Edges of the space between the open jaws: the third one along 'axis'.");
+  describe_space(d, "jaws", "jaws", "open jaws");
   d.attribute("strength", &Forceps::strength_, "N", between(1e-15, 1e12),
               "Largest force along the jaws on all that they hold.");
   d.attribute("stiffness", &Forceps::stiffness_, "N/m", between(1e-15, 1e12),
               "Of the grip on all that they hold, up to that force.");
-  d.attribute("closing", &Forceps::closing_time_, "s", between(0, 1e6),
-              "Time in which the jaws close and bring the strands between them to their middle; 0: "
-              "these stay where they were taken.");
-  d.attribute("grasp", &Forceps::grasp_, "s", at_least(0), "Times at which the jaws close.");
-  d.attribute("release", &Forceps::release_, "s", at_least(0),
-              "Times at which they open; one less than grasps: they hold on.");
-  d.input("hold", "1", between(0, 1),
-          "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "
-          "the next time of grasp or release counts again.",
-          [](Forceps& f, Real hold) { f.closing_.tell(hold > 0); });
+  describe_times(d,
+                 "Time in which the jaws close and bring the strands between them to their middle; "
+                 "0: these stay where they were taken.");
   d.output("force", "N", "Of the jaws on what they hold, over the last step.",
            [](const Forceps& f) -> Vec3 { return f.applied_.force; });
   d.output("moment", "N m", "Likewise, about their centre.",
            [](const Forceps& f) -> Vec3 { return f.applied_.moment; });
-  d.output("holding", "1", "1 while the jaws are closed, else 0.",
-           [](const Forceps& f) -> Real { return f.holding() ? 1 : 0; });
   d.output("pieces", "1", "Number of strands and patches of tissue that they hold.",
            [](const Forceps& f) { return static_cast<Real>(f.pieces_.size()); });
   d.output("sliding", "1", "1 if anything slid in the jaws in the last step, else 0.",

@@ -3,19 +3,18 @@
 
 #include <vector>
 
-#include "closing.h"
-#include "jaw_space.h"
-#include "sutura/describe.h"
 #include "sutura/geometry/triangle_surface.h"
 #include "sutura/simulation.h"
-#include "sutura/tool.h"
+#include "timed_jaws.h"
+#include "tool_space.h"
 
 namespace sutura::tools {
 
 class Forceps : public Component,
                 public Driver,
                 public ConstraintSource,
-                public Jaws,
+                public TimedJaws,
+                public ToolSpace,
                 public Drawing {
  public:
   static void describe(Describe<Forceps>& d);
@@ -30,10 +29,6 @@ class Forceps : public Component,
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   const char* rows_attribute() const override { return "size"; }
 
-  // Jaws
-  void grasp() override { closing_.tell(true); }
-  void release() override { closing_.tell(false); }
-  bool holding() const override { return closing_.closed(); }
   Wrench wrench() const override { return applied_; }
 
   BodyGeometry geometry() const override;
@@ -73,41 +68,26 @@ class Forceps : public Component,
     std::vector<Point> points;
   };
 
-  Pose placed(Configuration c) const;
   void take();
   void take_strand(Index target, const JawSpace::Stretch& stretch);
   void take_patch(Index target);
   /// Strands move on through the jaws: other material is between them now.
   void follow_strands();
   void drop_what_is_out();
-  /// The stretches of a curve between the jaws go to `stretches_`.
-  void look(const SegmentedCurve& curve, Configuration c);
   void begin_step(const Target& target, Real open, Point& p) const;
   Vec3 position(const Target& target, const Point& p) const;
 
   Link<Body> body_;
-  Link<Tool> track_;
-  Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
-  Vec3 size_{2e-3, 2e-3, 2e-3};
   Real strength_ = 10;
   Real stiffness_ = 1e6;
-  Real closing_time_ = 0;
-  std::vector<Real> grasp_{0}, release_;
 
   Index source_id_ = 0;
-  Pose as_modelled_;
-  JawSpace space_;
   std::vector<Target> targets_;
-  Closing closing_;
-  Real taken_ = 0;     ///< when that was (s)
   bool take_ = false;  ///< they have closed: what is between them is to be taken
   std::vector<Piece> pieces_;
   std::uint64_t next_id_ = 0;
   bool sliding_ = false;
   Wrench applied_;  ///< on what is held, about the centre
-
-  std::vector<CurveSegment> seen_;  ///< from the jaws
-  std::vector<JawSpace::Stretch> stretches_;
 };
 
 }  // namespace sutura::tools

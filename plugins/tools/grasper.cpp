@@ -21,26 +21,17 @@ void Grasper::describe(Describe<Grasper>& d) {
   d.link("track", &Grasper::track_, "The motion of the tool.");
   d.attribute("at", &Grasper::at_, "m", between(0, 1e5),
               "Abscissa of the section that the jaws hold, from the needle tip.");
-  d.attribute("grasp", &Grasper::grasp_, "s", at_least(0), "Times at which the jaws close.");
-  d.attribute("release", &Grasper::release_, "s", at_least(0),
-              "Times at which they open; one less than grasps: they hold on.");
   d.attribute("stiffness", &Grasper::stiffness_, "N/m", between(1e-15, 1e12),
               "Of the grip, in translation.");
   d.attribute("rotation_stiffness", &Grasper::rotation_stiffness_, "N m/rad", between(0, 1e12),
               "Of the grip, in rotation; 0 lets the section turn in the jaws.");
-  d.attribute("closing", &Grasper::closing_time_, "s", between(0, 1e6),
-              "Time in which the section is drawn from where it was taken to the tool's own place, "
-              "where the track leads the point 0 0 0; 0: it stays where it was taken.");
-  d.input("hold", "1", between(0, 1),
-          "1 closes the jaws at the start of the next step, 0 opens them, whatever the times say; "
-          "the next time of grasp or release counts again.",
-          [](Grasper& g, Real hold) { hold > 0 ? g.grasp() : g.release(); });
+  describe_times(d,
+                 "Time in which the section is drawn from where it was taken to the tool's own "
+                 "place, where the track leads the point 0 0 0; 0: it stays where it was taken.");
   d.output("force", "N", "Force of the jaws on the curve over the last step.",
            [](const Grasper& g) -> Vec3 { return g.wrench().force; });
   d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
            [](const Grasper& g) -> Vec3 { return g.wrench().moment; });
-  d.output("holding", "1", "1 while the jaws are closed, else 0.",
-           [](const Grasper& g) -> Real { return g.holding() ? 1 : 0; });
   d.output("target", "m", "Where the jaws want the section; where they let go while they are open.",
            [](const Grasper& g) -> Vec3 { return g.target_.position; });
 }
@@ -52,11 +43,10 @@ void Grasper::initialise(Setup& setup) {
                            format_real(body_->length()) + " m long");
     return;
   }
-  if (const std::string wrong = GraspSchedule::check(grasp_, release_); !wrong.empty()) {
+  if (const std::string wrong = plan(); !wrong.empty()) {
     setup.error(*this, wrong);
     return;
   }
-  closing_.plan(GraspSchedule(grasp_, release_));
   hold_ = body_->add_hold(at_);
 }
 
@@ -65,14 +55,13 @@ void Grasper::ready(Setup&) {
 }
 
 void Grasper::archive(Archive& a) {
-  closing_.archive(a);
+  archive_jaws(a);
   a("grip", grip_);
-  a("taken", taken_);
   a("target", target_);
 }
 
 void Grasper::drive(const StepContext& context) {
-  const bool changed = closing_.update(context);
+  const bool changed = update(context);
   if (!holding()) {
     if (changed) body_->release_hold(hold_);
     return;
@@ -80,10 +69,9 @@ void Grasper::drive(const StepContext& context) {
   if (changed) {
     const Pose tool = track_->start_pose(), at = body_->frame(at_, Configuration::current);
     grip_ = {seen_from(tool, at.position), (tool.rotation.conjugate() * at.rotation).normalized()};
-    taken_ = context.time;
   }
   Pose grip = grip_;
-  grip.position *= still_open(context, taken_, closing_time_);
+  grip.position *= still_open(context);
   target_ = compose(track_->pose(), grip);
   body_->set_hold(hold_, target_, {stiffness_, rotation_stiffness_});
 }

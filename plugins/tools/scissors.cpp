@@ -2,23 +2,18 @@
 
 #include <algorithm>
 
-#include "key_frames.h"
 #include "sutura/archive.h"
-#include "sutura/geometry/poses.h"
 #include "sutura/scene.h"
 
 namespace sutura::tools {
 
 void Scissors::initialise(Setup& setup) {
-  if (!(axis_.norm() > 0)) {
-    setup.error(*this, "'axis' is zero; expected the direction in which the blades close");
+  if (const std::string wrong = place(); !wrong.empty()) {
+    setup.error(*this, wrong);
     return;
   }
   if (!std::is_sorted(times_.begin(), times_.end()))
     setup.error(*this, "'times' must not decrease");
-  space_.half = size_ / 2;
-  const Quat laid = shortest_rotation(Vec3::UnitZ(), axis_);
-  as_modelled_ = {centre_, (rotation_from_vector(rotation_) * laid).normalized()};
   for (Component* c : setup.scene->components()) {
     const Target target{dynamic_cast<SegmentedCurve*>(c), dynamic_cast<Cuttable*>(c)};
     if (target.curve == nullptr || target.thread == nullptr) continue;
@@ -31,10 +26,6 @@ void Scissors::initialise(Setup& setup) {
                              : "there is no thread that could be cut");
 }
 
-Pose Scissors::placed() const {
-  return track_ ? compose(track_->start_pose(), as_modelled_) : as_modelled_;
-}
-
 void Scissors::drive(const StepContext& context) {
   const Real now = context.time + 1e-6 * context.dt;
   const Index due = std::upper_bound(times_.begin(), times_.end(), now) - times_.begin();
@@ -44,24 +35,15 @@ void Scissors::drive(const StepContext& context) {
 }
 
 void Scissors::cut() {
-  const Pose frame = placed();
-  const Quat back = frame.rotation.conjugate();
-  std::vector<CurveSegment> seen;
-  std::vector<JawSpace::Stretch> stretches;
-  for (const Target& target : targets_) {
-    target.curve->segments(Configuration::current, seen);
-    for (CurveSegment& s : seen) {
-      s.xa = seen_from(frame, s.xa), s.xb = seen_from(frame, s.xb);
-      s.ma = back * s.ma, s.mb = back * s.mb;
-    }
-    space_.stretches(seen, stretches);
-    for (const JawSpace::Stretch& s : stretches) {
+  // The step has not begun: threads are where the last one has left them, and so are the blades.
+  const Pose frame = placed(Configuration::start);
+  for (const Target& target : targets_)
+    for (const JawSpace::Stretch& s : look(*target.curve, Configuration::current, frame)) {
       const Real middle = (s.low + s.high) / 2;
       if (middle < target.curve->needle_length()) continue;
       target.thread->cut(middle);
       ++cuts_;
     }
-  }
 }
 
 void Scissors::archive(Archive& a) {
@@ -82,16 +64,7 @@ void Scissors::describe(Describe<Scissors>& d) {
       "What is inside of a tissue, led by a SuturePath, is not meant to be cut: the path goes on "
       "as if the thread were whole.");
   d.link("body", &Scissors::body_, "Only this is cut; left out: any thread.").named_only();
-  d.link("track", &Scissors::track_,
-         "The motion of the scissors; left out, where none is in reach: none.")
-      .optional();
-  d.attribute("centre", &Scissors::centre_, "m", between(-1e6, 1e6),
-              "Middle of the space between the blades, as modelled: before the track moves it.");
-  d.attribute("axis", &Scissors::axis_, "1", any(), "Direction in which the blades close.");
-  d.attribute("rotation", &Scissors::rotation_, "rad", between(-1e4, 1e4),
-              "Rotation vector about the centre, after the axis has been laid as said.");
-  d.attribute("size", &Scissors::size_, "m", between(1e-6, 1e3),
-              "Edges of the space between the blades: the third one along 'axis'.");
+  describe_space(d, "scissors", "blades", "blades");
   d.attribute("times", &Scissors::times_, "s", at_least(0), "Times at which the blades close.");
   d.input("close", "1", between(0, 1), "1 closes the blades at the start of the next step.",
           [](Scissors& s, Real close) { s.told_ = close > 0; });

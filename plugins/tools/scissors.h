@@ -3,16 +3,14 @@
 
 #include <vector>
 
-#include "jaw_space.h"
 #include "sutura/cuttable.h"
-#include "sutura/describe.h"
 #include "sutura/schedule.h"
 #include "sutura/simulation.h"
-#include "sutura/tool.h"
+#include "tool_space.h"
 
 namespace sutura::tools {
 
-class Scissors : public Component, public Driver {
+class Scissors : public Component, public Driver, public ToolSpace {
  public:
   static void describe(Describe<Scissors>& d);
 
@@ -21,17 +19,10 @@ class Scissors : public Component, public Driver {
   void drive(const StepContext& context) override;
 
  private:
-  Pose placed() const;
   void cut();
 
   Link<Body> body_;
-  Link<Tool> track_;
-  Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
-  Vec3 size_{2e-3, 2e-3, 2e-3};
   std::vector<Real> times_;
-
-  Pose as_modelled_;
-  JawSpace space_;
   struct Target {
     SegmentedCurve* curve;
     Cuttable* thread;

@@ -87,8 +87,31 @@ bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index 
 }
 
 SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
+  trouble_.clear();
+  if (problem.blocks.empty()) return {};
+  SolveReport first;
+  if (options_.acceleration == Acceleration::subspace && !is_solved(problem) &&
+      linear_.eliminate(problem, others_)) {
+    others_.hold_events = true;
+    first = iterate(others_, std::min(patience, options_.sweeps), false);
+    // What is not solved so is solved as a whole, from where it began.
+    if (first.converged) linear_.put_back(others_, problem);
+  }
+  SolveReport report = iterate(problem, options_.sweeps, true);
+  report.sweeps += first.sweeps;
+  report.direct_solves += first.direct_solves;
+  report.factorisations += first.factorisations;
+  return report;
+}
+
+bool BlockGaussSeidel::is_solved(ConstraintProblem& problem) {
+  compliance_.prepare(problem);
+  compliance_.update_delta(problem);
+  return natural_map(problem, compliance_, lambda_plus_).value <= options_.tolerance;
+}
+
+SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, bool may_soften) {
   SolveReport report;
-  if (problem.blocks.empty()) return report;
   compliance_.prepare(problem);
   random_ = options_.seed;
   order_.resize(problem.blocks.size());
@@ -98,7 +121,6 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
 
   bool softened = false;
   int taken_back = 0;
-  trouble_.clear();
   on_device_ = device_ != nullptr && device_->load(problem);
   if (device_ != nullptr && !on_device_) trouble_ = device_->why_not();
   subspace_.begin(on_device_ ? device_ : nullptr);
@@ -119,7 +141,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
         continue;
       }
     }
-    if (!converged && !softened && report.sweeps >= patience && redundant_.soften(problem)) {
+    if (!converged && !softened && may_soften && report.sweeps >= patience &&
+        redundant_.soften(problem)) {
       softened = true;
       compliance_.prepare(problem);
       if (on_device_) on_device_ = device_->load(problem);
@@ -132,7 +155,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
       continue;
     }
     // A problem that will not converge to the tolerance must not hold its events for ever.
-    if (converged || (residual.value <= event_gate && 2 * report.sweeps >= options_.sweeps)) {
+    if (converged || (residual.value <= event_gate && 2 * report.sweeps >= sweeps)) {
       const Index fired = problem.hold_events ? 0 : fire_events(problem);
       if (fired > 0) {
         report.events += fired;
@@ -143,7 +166,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
         continue;
       }
     }
-    if (converged || report.sweeps >= options_.sweeps) break;
+    if (converged || report.sweeps >= sweeps) break;
 
     const Real before = residual.value;
     if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
@@ -151,7 +174,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     // With the direct step one sweep is often all: that takes the way to the device longer.
     const bool direct = options_.acceleration == Acceleration::subspace;
     if (on_device_ && (!direct || report.sweeps > 0))
-      swept = sweep_on_device(problem, before, options_.sweeps - report.sweeps);
+      swept = sweep_on_device(problem, before, sweeps - report.sweeps);
     if (swept == 0) {
       sweep(problem);
       swept = 1;

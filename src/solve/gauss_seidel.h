@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solve/law_residual.h"
+#include "solve/linear_rows.h"
 #include "solve/redundant_rows.h"
 #include "solve/subspace_step.h"
 #include "sutura/constraints.h"
@@ -39,6 +40,10 @@ class BlockGaussSeidel {
   SolveReport solve(ConstraintProblem& problem);
 
  private:
+  /// By the forces it begins with.
+  bool is_solved(ConstraintProblem& problem);
+  /// Sweeps and direct steps until every block obeys its law, or the budget is spent.
+  SolveReport iterate(ConstraintProblem& problem, Index sweeps, bool may_soften);
   void shuffle();
   void sweep(ConstraintProblem& problem);
   Index sweep_on_device(ConstraintProblem& problem, Real residual, Index most);
@@ -48,6 +53,8 @@ class BlockGaussSeidel {
   GaussSeidelOptions options_;
   Compliance compliance_;
   SubspaceStep subspace_;
+  LinearRows linear_;
+  ConstraintProblem others_;  ///< without the rows that are linear
   RedundantRows redundant_;
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;

@@ -32,41 +32,36 @@ kernel void read(global const float4* from, int each, global float* x) {
 }  // namespace
 
 Limits measure_limits(const Device& device) {
-  const cl_program program = device.build(probes, "");
+  Program program(device, Precision::single, probes);
   Limits out;
-  {
-    Kernel nothing(device, program, "nothing"), barriers(device, program, "barriers"),
-        read(device, program, "read");
-    Buffer x(device), large(device);
-    constexpr std::size_t bytes = std::size_t{256} << 20;
-    x.reserve(16);
-    large.reserve(bytes);
-    out.launch = microseconds([&] {
-                   for (int i = 0; i < 200; ++i) nothing(64, 64, x);
-                   device.finish();
-                 }) /
-                 200;
-    out.round_trip = microseconds([&] {
-      int word = 0;
-      nothing(64, 64, x);
-      x.read(&word, sizeof(word));
-    });
-    const auto rounds = [&](int count) {
-      return microseconds([&] {
-        barriers(320, 320, count, x);
-        device.finish();
-      });
-    };
-    out.barrier = std::max(0.0, (rounds(11000) - rounds(1000)) / 10000);
-    constexpr std::size_t items = 1 << 18;
-    const double time = microseconds([&] {
-      for (int i = 0; i < 4; ++i)
-        read(items, 256, large, static_cast<cl_int>(bytes / 16 / items), x);
+  Kernel &nothing = program["nothing"], &barriers = program["barriers"], &read = program["read"];
+  Buffer x(device), large(device);
+  constexpr std::size_t bytes = std::size_t{256} << 20;
+  x.reserve(16);
+  large.reserve(bytes);
+  out.launch = microseconds([&] {
+                 for (int i = 0; i < 200; ++i) nothing(64, 64, x);
+                 device.finish();
+               }) /
+               200;
+  out.round_trip = microseconds([&] {
+    int word = 0;
+    nothing(64, 64, x);
+    x.read(&word, sizeof(word));
+  });
+  const auto rounds = [&](int count) {
+    return microseconds([&] {
+      barriers(320, 320, count, x);
       device.finish();
     });
-    out.bandwidth = 4 * static_cast<double>(bytes) / time;
-  }
-  clReleaseProgram(program);
+  };
+  out.barrier = std::max(0.0, (rounds(11000) - rounds(1000)) / 10000);
+  constexpr std::size_t items = 1 << 18;
+  const double time = microseconds([&] {
+    for (int i = 0; i < 4; ++i) read(items, 256, large, static_cast<cl_int>(bytes / 16 / items), x);
+    device.finish();
+  });
+  out.bandwidth = 4 * static_cast<double>(bytes) / time;
   return out;
 }
 
@@ -107,7 +102,8 @@ int main(int argc, char** argv) {
     if (wanted("accuracy"))
       done = bench_threads_accuracy(device, out) && bench_sweeps_accuracy(device, out) &&
              bench_gradients_accuracy(device, out, most_nodes) &&
-             bench_compliance_accuracy(device, out, most_nodes) && done;
+             bench_compliance_accuracy(device, out, most_nodes) &&
+             bench_step_accuracy(device, out, most_nodes) && done;
     return done ? 0 : 3;
   } catch (const sutura::DeviceError& e) {
     std::fprintf(stderr, "%s\n", e.what());

@@ -6,8 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "device.h"
-#include "precision.h"
+#include "program.h"
 
 namespace sutura::opencl {
 
@@ -55,12 +54,13 @@ bool bench_step(const DeviceChoice& choice, const std::filesystem::path& out, In
 bool bench_step_kernels(const DeviceChoice& choice, const Limits& limits,
                         const std::filesystem::path& out, Index most_nodes);
 /// What the precisions cost in accuracy; any device will do. sweeps_accuracy.csv,
-/// gradients_accuracy.csv, compliance_accuracy.csv.
+/// gradients_accuracy.csv, compliance_accuracy.csv, step_accuracy.csv.
 bool bench_sweeps_accuracy(const Device& device, const std::filesystem::path& out);
 bool bench_gradients_accuracy(const Device& device, const std::filesystem::path& out,
                               Index most_nodes);
 bool bench_compliance_accuracy(const Device& device, const std::filesystem::path& out,
                                Index most_nodes);
+bool bench_step_accuracy(const Device& device, const std::filesystem::path& out, Index most_nodes);
 /// Many threads at once: threads.csv; the error of their time step: threads_accuracy.csv.
 bool bench_threads(const Device& device, const std::filesystem::path& out);
 bool bench_threads_accuracy(const Device& device, const std::filesystem::path& out);

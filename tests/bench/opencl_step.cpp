@@ -34,13 +34,13 @@ Index nodes_of(const std::array<int, 3>& cells) {
 
 /// A pad that a device works for.
 struct Arena {
-  Arena(const Device& device, const Way& way, std::array<int, 3> cells, Precision precision,
-        bool felt)
+  Arena(const Device& device, Precision precision, std::array<int, 3> cells)
       : gradients(device, precision),
         sweeps(device, precision),
         gradients_alone(gradients),
         sweeps_alone(sweeps, precision),
-        pad(cells, 0.004, frame) {
+        pad(cells, 0.004, frame) {}
+  void begin(const Way& way, bool felt) {
     pad.begin(way.gradients ? &gradients_alone : nullptr, way.sweeps ? &sweeps_alone : nullptr,
               felt);
   }
@@ -122,7 +122,8 @@ void time_kernels(const DeviceChoice& choice, const Limits& limits, std::array<i
   DeviceChoice timed = choice;
   timed.timed = true;
   Device device(timed);
-  Arena arena(device, ways[2], cells, choose(Precision::automatic, device), true);
+  Arena arena(device, choose(Precision::automatic, device), cells);
+  arena.begin(ways[2], true);
   for (int k = 0; k < warm_up; ++k) arena.pad.step();
   device.take_times();
   constexpr int steps = 10;
@@ -177,7 +178,8 @@ bool bench_step(const DeviceChoice& choice, const std::filesystem::path& out, In
     if (!fits(cells)) continue;
     for (const Way& way : ways) {
       const auto arena =
-          std::make_unique<Arena>(device, way, cells, choose(Precision::automatic, device), true);
+          std::make_unique<Arena>(device, choose(Precision::automatic, device), cells);
+      arena->begin(way, true);
       const Sum sum = run(arena->pad);
       std::printf("%7td %-18s %5d", arena->pad.nodes(), way.name, sum.steps);
       csv << arena->pad.nodes() << ",\"" << way.name << "\"," << sum.steps;
@@ -212,7 +214,9 @@ bool bench_compliance_accuracy(const Device& device, const std::filesystem::path
   for (const std::array<int, 3>& cells : pads) {
     if (nodes_of(cells) > most_nodes) continue;
     const auto compliance = [&](const Way& way, Precision precision) -> MatX {
-      return std::make_unique<Arena>(device, way, cells, precision, false)->pad.first_compliance();
+      Arena arena(device, precision, cells);
+      arena.begin(way, false);
+      return arena.pad.first_compliance();
     };
     const MatX exact = compliance(ways[0], Precision::single);  // of the CPU: always in double
     const VecX eigenvalues = exact.selfadjointView<Eigen::Lower>().eigenvalues();
@@ -229,6 +233,40 @@ bool bench_compliance_accuracy(const Device& device, const std::filesystem::path
       std::fflush(stdout);
       csv << nodes_of(cells) << ',' << word(precision) << ',' << error << ',' << worst << ','
           << condition << '\n';
+    }
+  }
+  return static_cast<bool>(csv);
+}
+
+bool bench_step_accuracy(const Device& device, const std::filesystem::path& out, Index most_nodes) {
+  std::ofstream csv(out / "step_accuracy.csv");
+  csv << "nodes,precision,error of lambda\n";
+  constexpr int steps = 8;
+  constexpr Index passes = 8;
+  std::printf(
+      "\nForces of %d contacts after %d steps of %td passes; error: largest of lambda over the "
+      "largest force\n  nodes precision     error\n",
+      PressedPad::contacts, steps, passes);
+  for (const std::array<int, 3>& cells : pads) {
+    if (nodes_of(cells) > most_nodes) continue;
+    const auto forces = [&](const Way& way, Precision precision, Real tolerance) -> VecX {
+      Arena arena(device, precision, cells);
+      arena.pad.set_passes(passes, tolerance);
+      arena.begin(way, false);
+      for (int k = 0; k < steps; ++k) arena.pad.step();
+      return arena.pad.forces();
+    };
+    const VecX exact = forces(ways[0], Precision::single, 1e-9);  // of the CPU: always in double
+    // To what conjugate gradients get in each.
+    for (const auto& [precision, tolerance] : {std::pair{Precision::double_, 1e-9},
+                                               {Precision::mixed, 1e-6},
+                                               {Precision::single, 1e-5}}) {
+      if (precision != Precision::single && !device.has_double()) continue;
+      const Real error = (forces(ways[2], precision, tolerance) - exact).lpNorm<Eigen::Infinity>() /
+                         exact.lpNorm<Eigen::Infinity>();
+      std::printf("%7td %-9s %9.1e\n", nodes_of(cells), word(precision), error);
+      std::fflush(stdout);
+      csv << nodes_of(cells) << ',' << word(precision) << ',' << error << '\n';
     }
   }
   return static_cast<bool>(csv);

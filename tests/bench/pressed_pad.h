@@ -71,6 +71,17 @@ class PressedPad {
       }
   }
   Index nodes() const { return static_cast<Index>(mesh_.points.size()); }
+  /// Before `begin`: how accurate A^-1 b is, and how many passes every step makes, whatever is
+  /// missing before; 0: until the step is solved.
+  void set_passes(Index passes, Real tolerance) {
+    passes_ = passes;
+    AsyncOptions options = solver_.options();
+    options.tolerance = tolerance;
+    options.lag = 2;  // the same factors in every run
+    solver_.set_options(std::move(options));
+  }
+  /// Of the last step: normal, tangent, tangent of each contact (N).
+  const GrowingVec& forces() const { return lambda_; }
 
   /// `felt`: as if the plate had been there for a while, so that the first factor knows the
   /// compliance below it.
@@ -113,7 +124,9 @@ class PressedPad {
     step_->begin(context_);
     find_contacts();
     build();
-    for (context_.pass = 0; context_.pass < most_passes && !cost.solved; ++context_.pass) {
+    const Index most = passes_ > 0 ? passes_ : most_passes;
+    for (context_.pass = 0; context_.pass < most && !(cost.solved && passes_ == 0);
+         ++context_.pass) {
       BodyRows& rows = problem_.bodies.front();
       enter(linearise);
       force_.setZero(3 * nodes());
@@ -255,6 +268,7 @@ class PressedPad {
   std::vector<Vec3> plate_;
   std::vector<Touch> touches_;
   std::vector<Mode> modes_;
+  Index passes_ = 0;
   GrowingVec lambda_, change_;
   VecX force_, gap_;
 };

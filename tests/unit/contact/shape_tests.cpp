@@ -91,5 +91,24 @@ TEST(Shape, IsConvex) {
     }
 }
 
+// What faces a point outside, seen from what is left without a layer, is what `facet` says where
+// that is a face, and passes through the edge or corner itself where it is one.
+TEST(Shape, FacesAPointThroughTheEdgeItIsBelow) {
+  const Shape box{.kind = Shape::Kind::box, .half_size = Vec3(1, 0.5, 2)};
+  const Shape rod{.kind = Shape::Kind::cylinder, .radius = 1.2, .half_length = 0.8};
+  const auto expect = [](const Facet& f, const Vec3& normal, const Vec3& foot) {
+    EXPECT_LT((f.normal - normal).norm(), 1e-12);
+    EXPECT_NEAR(f.normal.dot(f.foot - foot), 0, 1e-12);
+  };
+  const Real half = std::sqrt(0.5), third = std::sqrt(1. / 3);
+  expect(box.facing(Vec3(1.3, 0.1, -0.4), 0.1), Vec3::UnitX(), Vec3(1, 0, 0));
+  expect(box.facing(Vec3(1.2, 0.7, 0.3), 0.1), Vec3(half, half, 0), Vec3(1, 0.5, 0.3));
+  expect(box.facing(Vec3(1, 0.5, -2), 0.1), Vec3(third, third, -third), Vec3(1, 0.5, -2));
+  // Inside of the tool, within the layer, it is still the edge.
+  expect(box.facing(Vec3(0.95, 0.45, 0), 0.1), Vec3(half, half, 0), Vec3(1, 0.5, 0));
+  expect(rod.facing(Vec3(0, 1.4, 1), 0.1), Vec3(0, half, half), Vec3(0, 1.2, 0.8));
+  expect(rod.facing(Vec3(0, 0.3, 1), 0.1), Vec3::UnitZ(), Vec3(0, 0, 0.8));
+}
+
 }  // namespace
 }  // namespace sutura::contact

@@ -71,7 +71,8 @@ TEST_F(DeviceGradients, AFactorSolvesAsOnTheCpu) {
       factor->solve(ours);
       Solves solves(*device_, Precision::double_);
       solves.set_factor(supernodes);
-      Buffer b(*device_), x(*device_), done(*device_);
+      Numbers b(*device_, sizeof(Real)), x(*device_, sizeof(Real));
+      Buffer done(*device_);
       std::vector<double> in, out(static_cast<std::size_t>(solves.unknowns()));
       for (const std::int32_t row : supernodes.row_of) in.push_back(asked[row]);
       const std::vector<cl_int> no(4, 0);

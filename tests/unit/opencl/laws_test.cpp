@@ -7,7 +7,7 @@
 #include "../../../plugins/suturing/path_friction_law.h"
 #include "../../../plugins/suturing/puncture_law.h"
 #include "law_twins.h"
-#include "precision.h"
+#include "program.h"
 #include "programs.h"
 #include "solve_problems.h"
 #include "some_device.h"
@@ -128,22 +128,19 @@ TYPED_TEST(Twin, AnswersAsTheLaw) {
   }
   std::vector<cl_uchar> answered = modes;
   std::vector<double> lambda(d.size());
-  const cl_program program =
-      device.build(definitions(Precision::double_) + programs::laws + kernel_text,
-                   "-DPARAMETERS=global -DD=" + std::to_string(n));
-  {
-    Buffer at[5] = {Buffer(device), Buffer(device), Buffer(device), Buffer(device), Buffer(device)};
-    at[0].write(W);
-    at[1].write(d);
-    at[2].write(p);
-    at[3].write(answered);
-    at[4].write(lambda);
-    Kernel ask(device, program, "ask");
-    ask(draws, 64, draws, twin->number, twin->parameters(), at[0], at[1], at[2], at[3], at[4]);
-    at[3].read(answered);
-    at[4].read(lambda);
-  }
-  clReleaseProgram(program);
+  Program program(device, Precision::double_, std::string(programs::laws) + kernel_text,
+                  "-DPARAMETERS=global -DD=" + std::to_string(n));
+  Buffer W_there(device), d_there(device), p_there(device), modes_there(device),
+      lambda_there(device);
+  W_there.write(W);
+  d_there.write(d);
+  p_there.write(p);
+  modes_there.write(answered);
+  lambda_there.write(lambda);
+  program["ask"](draws, 64, draws, twin->number, twin->parameters(), W_there, d_there, p_there,
+                 modes_there, lambda_there);
+  modes_there.read(answered);
+  lambda_there.read(lambda);
 
   int other_modes = 0, states = 0;
   Real worst = 0;

@@ -13,8 +13,8 @@ constexpr const char* scene = "components/OpenClDevice.xml";
 
 /// Six passes a step, whatever is reached before, and nothing is solved roughly: where iterations
 /// stop early is what CPU and device may differ by.
-Overrides six_passes(Overrides more) {
-  for (const auto& [name, value] : Overrides{{"/block/async_preconditioner.tolerance", "1e-9"},
+Overrides six_passes(const std::string& tolerance, Overrides more) {
+  for (const auto& [name, value] : Overrides{{"/block/async_preconditioner.tolerance", tolerance},
                                              {".tolerance", "1e-9"},
                                              {".gap_tolerance", "1 nm"},
                                              {".passes", "6"},
@@ -25,10 +25,21 @@ Overrides six_passes(Overrides more) {
 
 class DeviceScene : public OnDevice {};
 
+struct InPrecision {
+  const char* precision;
+  const char* solved_to;  ///< what conjugate gradients reach in it
+  Real off;               ///< by which forces may be off, of the largest: what was asked for
+};
+class DevicePrecision : public OnDevice, public ::testing::WithParamInterface<InPrecision> {};
+
 // The needle pierces the block in these 0.3 s: contact, puncture, path and friction.
-TEST_F(DeviceScene, ForcesAreThoseOfTheCpu) {
-  TextRun there = TextRun::file(scene, six_passes({{"/gpu.on_failure", "stop"}}));
-  TextRun cpu = TextRun::file(scene, six_passes({{"/gpu.device", "no such device"}}));
+TEST_P(DevicePrecision, ForcesAreThoseOfTheCpu) {
+  const auto [precision, solved_to, off] = GetParam();
+  if (!device_->has_double() && std::string(precision) != "single")
+    GTEST_SKIP() << "no double precision";
+  TextRun there = TextRun::file(
+      scene, six_passes(solved_to, {{"/gpu.on_failure", "stop"}, {"/gpu.precision", precision}}));
+  TextRun cpu = TextRun::file(scene, six_passes("1e-9", {{"/gpu.device", "no such device"}}));
   EXPECT_NE(cpu.said().find("there is \""), std::string::npos) << "the warning: " << cpu.said();
   EXPECT_EQ(std::get<std::string>(cpu.output("/gpu", "used")), "");
   EXPECT_EQ(std::get<std::string>(there.output("/gpu", "used")), device_->name());
@@ -40,11 +51,17 @@ TEST_F(DeviceScene, ForcesAreThoseOfTheCpu) {
     cpu.simulation().step();
     const Real ours = cpu.number("/puncture", "force"), theirs = there.number("/puncture", "force");
     largest = std::max(largest, ours);
-    EXPECT_NEAR(theirs, ours, 1e-6 * largest) << "step " << step;
+    EXPECT_NEAR(theirs, ours, off * largest) << "step " << step;
     EXPECT_EQ(there.number("/puncture", "punctures"), cpu.number("/puncture", "punctures"));
   }
   EXPECT_GT(largest, 0.4) << "there is something to compare";
 }
+
+INSTANTIATE_TEST_SUITE_P(Precisions, DevicePrecision,
+                         ::testing::Values(InPrecision{"double", "1e-9", 1e-6},
+                                           InPrecision{"mixed", "1e-6", 1e-6},
+                                           InPrecision{"single", "1e-5", 1e-4}),
+                         [](const auto& info) { return info.param.precision; });
 
 // The matrix that a saved state brings along goes back to where it was made.
 TEST_F(DeviceScene, ARestoredRunRepeatsTheBits) {

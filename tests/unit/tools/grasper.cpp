@@ -12,54 +12,46 @@ namespace sutura::tools {
 namespace {
 
 constexpr Real pi = std::numbers::pi;
-constexpr Real rounding = 1e-14;  // of metres, over a few dozen steps
 
 TEST(Grasper, NothingMovesWhenTheJawsClose) {
-  const Loaded s(
+  const Running s(
       "<Curve name='rod' length='100 mm' origin='3 4 5 mm'/>"
       "<Track name='tool' times='0' positions='70 -20 9 mm' rotations='0.3 0.2 -1'/>"
       "<Grasper name='jaws' at='30 mm'/>");
-  ASSERT_TRUE(s.simulation) << s.messages();
-  s.simulation->step();
-  const auto& rod = s.get<fake::Curve>("/rod");
-  EXPECT_TRUE(rod.held());
-  EXPECT_LT((rod.point(0, Configuration::current) - Vec3(3e-3, 4e-3, 5e-3)).norm(), rounding);
-  EXPECT_LT((rod.tangent(0, Configuration::current) - Vec3::UnitX()).norm(), rounding);
+  s.step();
+  EXPECT_TRUE(s.rod().held());
+  EXPECT_LT((s.point(0) - Vec3(3e-3, 4e-3, 5e-3)).norm(), rounding);
+  EXPECT_LT((s.along() - Vec3::UnitX()).norm(), rounding);
 }
 
 TEST(Grasper, CarriesTheSectionAlongTheArc) {
-  const Loaded s(
+  const Running s(
       "<Curve name='rod' length='100 mm'/>"
       "<Track name='tool' times='0 1 s' rotations='0 0 0  0 0 90 deg' centre='0 50 0 mm'/>"
       "<Grasper name='jaws' at='40 mm'/>");
-  ASSERT_TRUE(s.simulation) << s.messages();
-  const auto& rod = s.get<fake::Curve>("/rod");
   const Vec3 centre(0, 0.05, 0);
   for (int step = 1; step <= 12; ++step) {
-    s.simulation->step();
+    s.step();
     const Real angle = pi / 2 * std::min(0.1 * step, 1.0);
     const Eigen::AngleAxis<Real> turn(angle, Vec3::UnitZ());
     const Vec3 expected = centre + turn * (Vec3(0.04, 0, 0) - centre);
-    EXPECT_LT((rod.point(0.04, Configuration::current) - expected).norm(), rounding) << step;
-    EXPECT_LT((rod.tangent(0, Configuration::current) - turn * Vec3::UnitX()).norm(), rounding);
+    EXPECT_LT((s.point(0.04) - expected).norm(), rounding) << step;
+    EXPECT_LT((s.along() - turn * Vec3::UnitX()).norm(), rounding);
     EXPECT_LT((s.output<Vec3>("/jaws", "target") - expected).norm(), rounding);
   }
 }
 
 TEST(Grasper, LetsGoAndGraspsAgainWithoutAJump) {
-  const Loaded s(
+  const Running s(
       "<Curve name='rod' length='100 mm'/>"
       "<Track name='tool' times='0 1 s' positions='0 0 0  10 0 0 mm'/>"
       "<Grasper name='jaws' at='0 mm' grasp='0 0.6 s' release='0.3 s' stiffness='2 kN/m'"
       " rotation_stiffness='0.5 N m/rad'/>");
-  ASSERT_TRUE(s.simulation) << s.messages();
-  const auto& rod = s.get<fake::Curve>("/rod");
   // Held in steps 1 to 3 and from step 7: 1 mm per step with the tool, none without.
   const Real expected_mm[] = {1, 2, 3, 3, 3, 3, 4, 5, 6, 7, 7};
   for (int step = 1; step <= 11; ++step) {
-    s.simulation->step();
-    EXPECT_NEAR(rod.point(0, Configuration::current).x(), 1e-3 * expected_mm[step - 1], rounding)
-        << step;
+    s.step();
+    EXPECT_NEAR(s.point(0).x(), 1e-3 * expected_mm[step - 1], rounding) << step;
     const bool held = step <= 3 || step >= 7;
     EXPECT_EQ(s.output<Real>("/jaws", "holding"), held ? 1 : 0) << step;
     EXPECT_EQ(s.output<Vec3>("/jaws", "force"),
@@ -67,32 +59,29 @@ TEST(Grasper, LetsGoAndGraspsAgainWithoutAJump) {
     EXPECT_EQ(s.output<Vec3>("/jaws", "moment"),
               held ? fake::Curve::applied().moment : Vec3(Vec3::Zero()));
   }
-  EXPECT_EQ(rod.stiffness().translation, 2000);
-  EXPECT_EQ(rod.stiffness().rotation, 0.5);
+  EXPECT_EQ(s.rod().stiffness().translation, 2000);
+  EXPECT_EQ(s.rod().stiffness().rotation, 0.5);
 }
 
 TEST(Grasper, DrawsTheSectionToItsOwnPlaceWhileItCloses) {
-  const Loaded s(
+  const Running s(
       "<Curve name='rod' length='100 mm'/>"
       "<Track name='tool' times='0.5 0.7 s' positions='40 8 0  40 8 6 mm'/>"
       "<Grasper name='jaws' at='40 mm' grasp='0.2 s' closing='0.4 s'/>");
-  ASSERT_TRUE(s.simulation) << s.messages();
-  const auto& rod = s.get<fake::Curve>("/rod");
   // Of 8 mm aside a quarter in each step from the third on; the tool rises from 0.5 s on.
   const Real aside_mm[] = {0, 0, 2, 4, 6, 8, 8, 8}, high_mm[] = {0, 0, 0, 0, 0, 3, 6, 6};
   for (int step = 0; step < 8; ++step) {
-    s.simulation->step();
+    s.step();
     const Vec3 expected(40e-3, 1e-3 * aside_mm[step], 1e-3 * high_mm[step]);
-    EXPECT_LT((rod.point(0.04, Configuration::current) - expected).norm(), rounding) << step;
+    EXPECT_LT((s.point(0.04) - expected).norm(), rounding) << step;
   }
 }
 
 TEST(Track, ReadsACsvFileBesideTheScene) {
   const std::filesystem::path folder = testing::TempDir();
   std::ofstream(folder / "sutura_track.csv") << "t [s], z [mm]\n0, 0\n1, 10\n";
-  const Loaded s("<Track name='tool' file='sutura_track.csv' centre='1 0 0 m'/>", folder);
-  ASSERT_TRUE(s.simulation) << s.messages();
-  s.simulation->step();
+  const Running s("<Track name='tool' file='sutura_track.csv' centre='1 0 0 m'/>", folder);
+  s.step();
   EXPECT_LT((s.output<Vec3>("/tool", "position") - Vec3(1, 0, 1e-3)).norm(), rounding);
 }
 

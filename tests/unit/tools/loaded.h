@@ -32,4 +32,21 @@ struct Loaded : test::TextWorld {
   }
 };
 
+/// One that has to load, or the test fails with what was said.
+struct Running : Loaded {
+  explicit Running(const std::string& elements, const std::filesystem::path& folder = ".")
+      : Loaded(elements, folder) {
+    if (!simulation) throw std::runtime_error(messages());
+  }
+  void step(int count = 1) const {
+    for (int i = 0; i < count; ++i) simulation->step();
+  }
+  const fake::Curve& rod() const { return get<fake::Curve>("/rod"); }
+  /// A point of the rod, and its direction.
+  Vec3 point(Real s) const { return rod().point(s, Configuration::current); }
+  Vec3 along() const { return rod().tangent(0, Configuration::current); }
+};
+
+inline constexpr Real rounding = 1e-14;  // of metres, over a few dozen steps
+
 }  // namespace sutura::tools

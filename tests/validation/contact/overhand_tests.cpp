@@ -22,8 +22,10 @@ namespace {
 constexpr Real diameter = 0.2e-3, young = 2e9;
 
 struct Drawn {
-  Real excess = 0;    ///< e, m
-  Real traction = 0;  ///< F e^2 / (2 pi^2 EI), where friction and the hands let it be
+  Real excess = 0;  ///< e, m
+  /// F e^2 / (2 pi^2 EI), where friction and the hands let it be: mean over the last 0.4 s, as it
+  /// goes up and down while touches go from beam to beam.
+  Real traction = 0;
   /// On the way there, from 1.3 times that length: the mean of it, and of sqrt(2 R / d).
   Real mean_traction = 0, mean_slimness = 0;
 };
@@ -67,12 +69,16 @@ Drawn draw(Real scale, Real straight, Real excess, Real friction, Real time, Rea
   };
   Drawn drawn{excess, 0, 0, 0};
   const auto& held = run.component<SegmentedCurve>("/a");
-  int steps = 0;
+  int steps = 0, last_steps = 0;
   while (run.simulation().report().time < time + rest - 0.01) {
     run.simulation().step();
     const Real left = laid.length - (held.point(held.length(), Configuration::current) -
                                      held.point(0, Configuration::current))
                                         .norm();
+    if (run.simulation().report().time > time + rest - 0.4) {
+      drawn.traction += traction_at(left);
+      ++last_steps;
+    }
     if (left > 1.3 * excess) continue;
     drawn.mean_traction += traction_at(left);
     drawn.mean_slimness += slimness(left);
@@ -84,15 +90,18 @@ Drawn draw(Real scale, Real straight, Real excess, Real friction, Real time, Rea
   const Real force = run.vector("/left", "force").norm();
   // A step is solved to a hundredth of the forces.
   EXPECT_NEAR(run.vector("/right", "force").norm(), force, 1e-2 * force);
-  drawn.traction = traction_at(excess);
+  drawn.traction /= last_steps;
   return drawn;
 }
 
 TEST(Overhand, LooseItPullsAsTheTheorySays) {
-  const auto at_rest = [](Real scale) {
-    return draw(scale, 2.7 * scale, 13.3 * scale, 0, 0.6, 2.4).traction;
+  const auto at_rest = [](Real scale, Real rest) {
+    return draw(scale, 2.7 * scale, 13.3 * scale, 0, 0.6, rest).traction;
   };
-  const Real thick = at_rest(6e-3), thin = at_rest(24e-3);
+  // Nothing holds such a knot where it is. Once it has begun to slide along the thread it slips
+  // over an end, the thick one 1.7 s after the start at the earliest; the thin one swings until 2
+  // s.
+  const Real thick = at_rest(6e-3, 0.9), thin = at_rest(24e-3, 2.4);
   RecordProperty("traction_400_diameters", std::to_string(thick));
   RecordProperty("traction_1600_diameters", std::to_string(thin));
   EXPECT_GT(thick, thin);
@@ -131,17 +140,23 @@ TEST(Overhand, ASuddenStartIsSolved) {
   }
 }
 
+// Which touches carry the force is chaotic: runs that differ by rounding alone pull with 2 % more
+// or less. So the mean of three draws is compared, which differ by a damping of no account here.
 TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
-  Real forces[3];
   const char* steps[] = {"2.5 ms", "5 ms", "10 ms"};
+  const char* draws[] = {"0", "1e-3 1/s", "2e-3 1/s"};
+  Real forces[3] = {};
   for (int i = 0; i < 3; ++i) {
-    TextRun run = TextRun::file("knots/overhand.xml", {{".dt", steps[i]}});
-    run.run(0.4);
-    EXPECT_TRUE(run.simulation().report().solved);
-    forces[i] = run.vector("/left", "force").norm();
-    EXPECT_LT(run.number("/contact", "distance"), 0);
-    // A twentieth of the thickness may stay between two touches (docs/theory/contact.md).
-    EXPECT_GT(run.number("/contact", "distance"), -diameter / 20);
+    for (const char* damping : draws) {
+      TextRun run = TextRun::file("knots/overhand.xml",
+                                  {{".dt", steps[i]}, {"/suture.damping_mass", damping}});
+      run.run(0.4);
+      EXPECT_TRUE(run.simulation().report().solved);
+      forces[i] += run.vector("/left", "force").norm() / 3;
+      EXPECT_LT(run.number("/contact", "distance"), 0);
+      // A twentieth of the thickness may stay between two touches (docs/theory/contact.md).
+      EXPECT_GT(run.number("/contact", "distance"), -diameter / 20);
+    }
   }
   // Between two touches strands may be nearer by a twentieth of the thickness, and the force of a
   // knot so small (R = 4 d) grows by about half of what the thickness does; each run adds a

@@ -17,9 +17,10 @@ TEST(InterruptedStitch, ThreeThrowsHoldTheLipsTogetherWhenTheEndsAreCut) {
     while (world.simulation().time() < until - 1e-9) {
       const StepReport& report = world.simulation().step();
       ASSERT_TRUE(report.finite);
-      EXPECT_TRUE(report.faults.empty()) << report.faults.front();
       ++steps;
-      missed += !report.solved;
+      // What a step that is not solved leaves, as an overlap of strands, is a fault until it is
+      // taken back.
+      missed += !report.solved || !report.faults.empty();
     }
   };
   run(5.2);
@@ -55,7 +56,9 @@ TEST(InterruptedStitch, ThreeThrowsHoldTheLipsTogetherWhenTheEndsAreCut) {
             rounding);
   const Real gap = world.number("/gap", "distance");
   EXPECT_LT(gap, 0.5e-3);
+  const int missed_before = missed;
   run(22.5);
+  EXPECT_EQ(missed, missed_before);
   // It rests: it would creep by 50 um in 30 s at 1.7 um/s.
   EXPECT_NEAR(world.number("/gap", "distance"), gap, 0.4 * 1.7e-6);
   EXPECT_EQ(world.number("/puncture", "punctures"), 4);

@@ -1,0 +1,128 @@
+#include "solve/linear_rows.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "sutura/laws/bilateral.h"
+
+namespace sutura {
+
+namespace {
+
+/// The compliance of a block that is held without a cap, else a negative number. (Bilateral laws of
+/// all sizes have the same parameters; a law is known by its name, plugins have copies of it.)
+template <int N>
+Real held_compliance(const ConstraintProblem& problem, const ConstraintBlock& b) {
+  if (std::string_view(b.law->name) != Bilateral<N>::name) return -1;
+  const auto& p = *static_cast<const typename Bilateral<N>::Params*>(problem.block_params(b));
+  return std::isfinite(p.cap) ? -1 : p.compliance;
+}
+
+Real held_compliance(const ConstraintProblem& problem, const ConstraintBlock& b) {
+  return std::max({held_compliance<1>(problem, b), held_compliance<2>(problem, b),
+                   held_compliance<3>(problem, b), held_compliance<6>(problem, b)});
+}
+
+}  // namespace
+
+void LinearRows::split(const ConstraintProblem& problem) {
+  other_.clear();
+  rows_.clear();
+  other_rows_.clear();
+  scale_.resize(problem.rows());
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    const ConstraintBlock& b = problem.blocks[i];
+    const Real compliance = held_compliance(problem, b);
+    if (compliance < 0) other_.push_back(i);
+    for (Index row = b.first_row; row < b.first_row + b.law->dim; ++row) {
+      if (compliance >= 0) scale_[static_cast<Index>(rows_.size())] = compliance;
+      (compliance >= 0 ? rows_ : other_rows_).push_back(row);
+    }
+  }
+  held_ = static_cast<Index>(rows_.size());
+  rows_.insert(rows_.end(), other_rows_.begin(), other_rows_.end());
+}
+
+/// matrix_ <- [S (W_hh + C) S, .; W_oh S, W_oo; d_h^T S, d_o^T], its lower part.
+void LinearRows::gather(const ConstraintProblem& problem) {
+  const auto n = static_cast<Index>(rows_.size());
+  const auto row = [this](Index i) { return rows_[static_cast<std::size_t>(i)]; };
+  matrix_.resize(n + 1, n + 1);
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = j; i < n; ++i) matrix_(i, j) = problem.W(row(i), row(j));
+    matrix_(n, j) = problem.d_free[row(j)];
+  }
+  for (Index j = 0; j < held_; ++j) {
+    scale_[j] = 1 / std::sqrt(matrix_(j, j) + scale_[j]);
+    matrix_(j, j) = 1;
+    matrix_.col(j).tail(n - j) *= scale_[j];
+    matrix_.row(j).head(j) *= scale_[j];
+  }
+}
+
+/// Cholesky of the first columns, and what that leaves of the others. In panels so narrow that
+/// Eigen's products take no memory from the heap (128 kB) up to some 650 rows.
+bool LinearRows::factorise() {
+  constexpr Index width = 24;
+  const Index size = matrix_.rows();
+  for (Index first = 0; first < held_; first += width) {
+    const Index columns = std::min(width, held_ - first), rest = size - first - columns;
+    Eigen::Ref<MatX> in_place = matrix_.block(first, first, columns, columns);
+    const Eigen::LLT<Eigen::Ref<MatX>> corner(in_place);
+    // The diagonal of L^2 is what is a row's own, beside those before it.
+    constexpr Real least = 1e-12;
+    const auto diagonal = matrix_.diagonal().segment(first, columns);
+    if (corner.info() != Eigen::Success || !(diagonal.minCoeff() > std::sqrt(least))) return false;
+    auto below = matrix_.block(first + columns, first, rest, columns);
+    corner.matrixU().solveInPlace<Eigen::OnTheRight>(below);
+    matrix_.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+  }
+  return true;
+}
+
+bool LinearRows::eliminate(const ConstraintProblem& problem, ConstraintProblem& others) {
+  split(problem);
+  const auto o = static_cast<Index>(rows_.size()) - held_;
+  if (held_ == 0 || o == 0) return false;
+  gather(problem);
+  if (!scale_.head(held_).allFinite() || !factorise()) return false;
+
+  others.blocks.clear();
+  others.params = problem.params;
+  Index row = 0;
+  for (const std::size_t i : other_) {
+    others.blocks.push_back(problem.blocks[i]);
+    others.blocks.back().first_row = row;
+    row += problem.blocks[i].law->dim;
+  }
+  others.gap.setZero(o);
+  others.delta.setZero(o);
+  others.lambda.resize(o);
+  for (Index i = 0; i < o; ++i)
+    others.lambda[i] = problem.lambda[rows_[static_cast<std::size_t>(held_ + i)]];
+  others.d_free = matrix_.row(held_ + o).segment(held_, o).transpose();
+  others.W.resize(o, o);
+  others.W.triangularView<Eigen::Lower>() = matrix_.block(held_, held_, o, o);
+  others.W.triangularView<Eigen::StrictlyUpper>() = others.W.transpose();
+  return true;
+}
+
+void LinearRows::put_back(const ConstraintProblem& others, ConstraintProblem& problem) {
+  for (std::size_t i = 0; i < other_.size(); ++i)
+    problem.blocks[other_[i]].mode = others.blocks[i].mode;
+  const Index o = others.lambda.size();
+  force_ = matrix_.row(held_ + o).head(held_).transpose();
+  force_.noalias() += matrix_.block(held_, 0, o, held_).transpose() * others.lambda;
+  matrix_.topLeftCorner(held_, held_)
+      .triangularView<Eigen::Lower>()
+      .transpose()
+      .solveInPlace(force_);
+  force_.array() *= -scale_.head(held_).array();
+  for (Index i = 0; i < held_ + o; ++i)
+    problem.lambda[rows_[static_cast<std::size_t>(i)]] =
+        i < held_ ? force_[i] : others.lambda[i - held_];
+}
+
+}  // namespace sutura
