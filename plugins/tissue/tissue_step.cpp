@@ -24,7 +24,8 @@ TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& loa
       A_(std::move(pattern)),
       linearised_at_(x_),
       pushed_(v_),
-      reaction_(v_) {
+      reaction_(v_),
+      answer_(v_) {
   model_.elastic->bind(*A_.pattern());
 }
 
