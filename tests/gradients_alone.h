@@ -48,6 +48,10 @@ class GradientsAlone : public ConjugateGradientDevice {
     gradients_.find_turns(of_factor);
     return true;
   }
+  bool keep(const Eigen::Ref<const MatX>& x, Index next) override {
+    gradients_.keep(x, next);
+    return true;
+  }
   bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
              Index max_iterations, Report& report) override {
     report = gradients_.solve(b, x, tolerance, max_iterations);

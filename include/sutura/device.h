@@ -117,6 +117,7 @@ class ConjugateGradientDevice {
     Real residual = 0;  ///< |b - A x| / |b|
     bool converged = false;
   };
+  static constexpr Index most_recent = 6;
   virtual ~ConjugateGradientDevice() = default;
   /// Before the first step, by the solver that will use it: false if another one has it already.
   virtual bool claim() = 0;
@@ -144,7 +145,11 @@ class ConjugateGradientDevice {
   virtual bool set_turns(std::span<const Mat3> turns) = 0;
   /// Q from the rotations that were found with the matrix, and those of the factor that was sent.
   virtual bool find_turns(std::span<const Mat3> of_factor) = 0;
-  /// x <- A^-1 b, from zero on.
+  /// Keeps these solutions instead of those it has kept, by columns, most_recent at most. `next`:
+  /// which of them the next one replaces; their number: none yet.
+  virtual bool keep(const Eigen::Ref<const MatX>& x, Index next) = 0;
+  /// x <- A^-1 b, from the combination of the solutions it has kept that is best in the energy
+  /// norm. Keeps this one too if it has converged and is not zero.
   virtual bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                      Index max_iterations, Report& report) = 0;
   /// entries <- those of the inverse of the matrix that was factorised, between unknowns of the

@@ -52,20 +52,110 @@ void row_product(int i, global const int* row_start, global const int* entries,
   }
 }
 
-// x <- 0, r <- b, zero where fixed.
-GROUP start(int nodes, global const uchar* is_fixed, global const real* b, global real* x,
-            global real* r, global real* size2, global real* residual2) {
+// Solutions that are kept, by columns of `size`, and their products with A. GROUPS groups each.
+
+// Of those columns whose bit is set in `unknown`.
+GROUP kept_products(int nodes, int unknown, global const int* row_start, global const int* entries,
+                    global const int* columns, global const store* values,
+                    global const uchar* is_fixed, global const real* kept, global real* products) {
+  const int column = get_group_id(0) / GROUPS, group = get_group_id(0) % GROUPS;
+  const size_t first = (size_t)column * 3 * nodes;
+  const int end = unknown >> column & 1 ? nodes : 0;
+  for (int i = group * ITEMS + get_local_id(0); i < end; i += GROUPS * ITEMS) {
+    real row[3];
+    row_product(i, row_start, entries, columns, values, kept + first, row);
+    for (int k = 0; k < 3; ++k) products[first + 3 * i + k] = is_fixed[i] ? 0 : row[k];
+  }
+}
+
+// One sum each: kept_i . b for every i, then kept_i . A kept_j for every j <= i.
+GROUP kept_sums(int count, int size, global const real* kept, global const real* products,
+                global const real* b, global real* partial) {
   local real sums[ITEMS];
-  real bb = 0;
+  const int pair = get_group_id(0) / GROUPS, group = get_group_id(0) % GROUPS;
+  int i = pair, j = pair - count;
+  if (j >= 0)
+    for (i = 0; j > i; ++i) j -= i + 1;
+  global const real* u = kept + (size_t)i * size;
+  global const real* v = j < 0 ? b : products + (size_t)j * size;
+  real mine = 0;
+  for (int k = group * ITEMS + get_local_id(0); k < size; k += GROUPS * ITEMS) mine += u[k] * v[k];
+  leave_sum(mine, partial, sums);
+}
+
+// The combination with the least error in the energy norm; nothing of any if that cannot be told.
+// As RecentSolutions::start does it. One group, which has eight items for each sum.
+GROUP kept_weights(int count, global const real* partial, global real* weights) {
+  local real sums[ITEMS];
+  const int item = get_local_id(0), pairs = count + count * (count + 1) / 2;
+  real mine = 0;
+  if (item / 8 < pairs)
+    for (int g = item % 8; g < GROUPS; g += 8) mine += partial[item / 8 * GROUPS + g];
+  sums[item] = mine;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (item > 0) return;
+  real c[MOST], scale[MOST], L[MOST][MOST];
+  bool good = true;
+  for (int p = 0, i = 0, j = -1; p < pairs; ++p) {
+    real sum = 0;
+    for (int k = 0; k < 8; ++k) sum += sums[8 * p + k];
+    if (p < count) {
+      c[p] = sum;
+      continue;
+    }
+    if (++j > i) {
+      ++i;
+      j = 0;
+    }
+    L[i][j] = sum;
+  }
+  const real shift = sizeof(real) == 8 ? (real)1e-10 : (real)1e-5;
+  for (int i = 0; i < count; ++i) {
+    scale[i] = sqrt(L[i][i]);
+    good = good && scale[i] > 0 && isfinite(scale[i]);
+    for (int j = 0; j <= i; ++j) {
+      real rest = L[i][j] / (scale[i] * scale[j]) + (i == j ? shift : 0);
+      for (int k = 0; k < j; ++k) rest -= L[i][k] * L[j][k];
+      L[i][j] = i == j ? sqrt(rest) : rest / L[j][j];
+    }
+    c[i] /= scale[i];
+    for (int k = 0; k < i; ++k) c[i] -= L[i][k] * c[k];
+    c[i] /= L[i][i];
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    for (int k = i + 1; k < count; ++k) c[i] -= L[k][i] * c[k];
+    c[i] /= L[i][i];
+    good = good && isfinite(c[i]);
+  }
+  for (int i = 0; i < count; ++i) weights[i] = good ? c[i] / scale[i] : 0;
+}
+
+// x <- the combination, r <- b - A x; zero where fixed.
+GROUP start(int nodes, int count, global const real* weights, global const real* kept,
+            global const real* products, global const uchar* is_fixed, global const real* b,
+            global real* x, global real* r, global real* size2, global real* residual2) {
+  local real sums[ITEMS];
+  real bb = 0, rr = 0;
   for (int i = get_global_id(0); i < nodes; i += get_global_size(0))
-    for (int k = 0; k < 3; ++k) {
-      const real mine = is_fixed[i] ? 0 : b[3 * i + k];
-      x[3 * i + k] = 0;
-      r[3 * i + k] = mine;
+    for (int k = 3 * i; k < 3 * i + 3; ++k) {
+      const real mine = is_fixed[i] ? 0 : b[k];
+      real sum = 0, left = mine;
+      for (int c = 0; c < count; ++c) {
+        sum += weights[c] * kept[(size_t)c * 3 * nodes + k];
+        left -= weights[c] * products[(size_t)c * 3 * nodes + k];
+      }
+      x[k] = sum;
+      r[k] = left;
       bb += mine * mine;
+      rr += left * left;
     }
   leave_sum(bb, size2, sums);
-  leave_sum(bb, residual2, sums);
+  leave_sum(rr, residual2, sums);
+}
+
+GROUP keep(int column, int size, global const real* x, global real* kept) {
+  for (int k = get_global_id(0); k < size; k += get_global_size(0))
+    kept[(size_t)column * size + k] = x[k];
 }
 
 // `iteration` 0: before the first one. One group.

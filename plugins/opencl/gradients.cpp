@@ -1,7 +1,9 @@
 #include "gradients.h"
 
 #include <algorithm>
+#include <cassert>
 #include <new>
+#include <string>
 
 #include "programs.h"
 
@@ -9,6 +11,13 @@ namespace sutura::opencl {
 namespace {
 
 constexpr std::size_t items = 256, groups = 128;  // of sums over all nodes
+
+/// Of kept solutions with b and with each other's products.
+constexpr int sums_of(int kept) {
+  return kept + kept * (kept + 1) / 2;
+}
+constexpr std::size_t most_sums = sums_of(ConjugateGradientDevice::most_recent);
+static_assert(8 * most_sums <= items);  // as kept_weights has them
 
 }  // namespace
 
@@ -19,7 +28,7 @@ Gradients::Gradients(const Device& device, Precision precision)
       solves_(device, precision),
       elements_(device, precision),
       contacts_(device, precision),
-      program_(device, precision, programs::gradients, "-DITEMS=256 -DGROUPS=128"),
+      program_(device, precision, programs::gradients, "-DITEMS=256 -DGROUPS=128 -DMOST=" + std::to_string(most_kept)),
       statuses_(device, 2 * sizeof(GradientStatus)) {}
 
 Gradients::~Gradients() {
@@ -65,12 +74,16 @@ void Gradients::set_pattern(const NodeMatrixView& A, std::span<const char> fixed
   is_fixed_.write(fixed_);
   for (Numbers* v : {&b_, &x_, &r_, &z_, &p_, &q_}) v->reserve(3 * n);
   for (Numbers* s : {&size2_, &residual2_, &rz_[0], &rz_[1], &pq_}) s->reserve(groups);
+  for (Numbers* m : {&kept_, &products_}) m->reserve(most_kept * 3 * n);
+  kept_sums_.reserve(most_sums * groups);
+  weights_.reserve(most_kept);
   device_.finish();  // of the vectors above
 }
 
 void Gradients::set_matrix(const NodeMatrixView& A, std::span<const char> fixed) {
   set_pattern(A, fixed);
   values_.write({A.values, 9 * column_.size()});
+  unknown_products_ = all_unknown;
   device_.finish();  // of the values: the matrix may go before anything is read
 }
 
@@ -84,6 +97,7 @@ void Gradients::set_elements(const TetElementsView& tets, const NodeMatrixView& 
 void Gradients::assemble(const VecX& moved, Real scale, const VecX& diagonal, VecX& force,
                          std::vector<Mat3>& rotations) {
   elements_.assemble(moved, scale, diagonal, values_, force, rotations);
+  unknown_products_ = all_unknown;
 }
 
 void Gradients::read_matrix(std::span<Real> values) {
@@ -158,12 +172,43 @@ void Gradients::finish_preconditioning(const Numbers& rz) {
                    status_);
 }
 
+void Gradients::keep(const Eigen::Ref<const MatX>& x, Index next) {
+  kept_count_ = static_cast<int>(x.cols());
+  next_kept_ = static_cast<int>(next);
+  unknown_products_ = all_unknown;
+  if (kept_count_ == 0) return;
+  assert(x.outerStride() == x.rows());
+  kept_.write_at(0, {x.data(), static_cast<std::size_t>(x.size())});
+  device_.finish();
+}
+
 GradientStatus* Gradients::start(const Eigen::Ref<const VecX>& b) {
   auto* status = new (statuses_.data()) GradientStatus[2];
   status_.write(&status[1], sizeof(status[1]));
   b_.write(b);
-  program_["start"](groups * items, items, nodes_, is_fixed_, b_, x_, r_, size2_, residual2_);
+  const cl_int count = kept_count_;
+  if (count > 0) {
+    constexpr std::size_t all = groups * items;
+    const auto columns = static_cast<std::size_t>(count),
+               sums = static_cast<std::size_t>(sums_of(count));
+    program_["kept_products"](columns * all, items, nodes_, unknown_products_, full_start_,
+                              entries_, columns_, values_, is_fixed_, kept_, products_);
+    unknown_products_ = 0;
+    program_["kept_sums"](sums * all, items, count, 3 * nodes_, kept_, products_, b_, kept_sums_);
+    program_["kept_weights"](items, items, count, kept_sums_, weights_);
+  }
+  program_["start"](groups * items, items, nodes_, count, weights_, kept_, products_, is_fixed_, b_,
+                    x_, r_, size2_, residual2_);
   return status;
+}
+
+/// In place of the oldest one; `x` is on the device too.
+void Gradients::keep_answer(const Eigen::Ref<const VecX>& x) {
+  if (!x.allFinite() || x.isZero(0)) return;
+  program_["keep"](groups * items, items, next_kept_, 3 * nodes_, x_, kept_);
+  unknown_products_ |= 1 << next_kept_;
+  kept_count_ = std::min(kept_count_ + 1, most_kept);
+  next_kept_ = (next_kept_ + 1) % most_kept;
 }
 
 void Gradients::begin(const Eigen::Ref<const VecX>& b) {
@@ -204,6 +249,7 @@ ConjugateGradientDevice::Report Gradients::solve(const Eigen::Ref<const VecX>& b
   report.iterations = status->iterations;
   report.residual = size > 0 ? left / size : Real(0);
   report.converged = status->failed == 0 && report.residual <= tolerance;
+  if (report.converged) keep_answer(x);
   return report;
 }
 

@@ -99,6 +99,7 @@ class Gradients {
   void set_factor(const SupernodalFactor& factor);
   void set_turns(std::span<const Mat3> turns);
   void find_turns(std::span<const Mat3> of_factor);
+  void keep(const Eigen::Ref<const MatX>& x, Index next);
   ConjugateGradientDevice::Report solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x,
                                         Real tolerance, Index max_iterations);
   /// As ConjugateGradientDevice has it.
@@ -116,8 +117,10 @@ class Gradients {
   const Solves& solves() const { return solves_; }
 
  private:
-  /// The status: nothing is done yet. x <- 0, r <- b.
+  static constexpr int most_kept = static_cast<int>(ConjugateGradientDevice::most_recent);
+  /// The status: nothing is done yet. x <- the combination of the kept ones, r <- b - A x.
   GradientStatus* start(const Eigen::Ref<const VecX>& b);
+  void keep_answer(const Eigen::Ref<const VecX>& x);
   void set_pattern(const NodeMatrixView& A, std::span<const char> fixed);
   /// z <- P^-1 r, rz <- r . z.
   void precondition(const Numbers& rz);
@@ -141,6 +144,12 @@ class Gradients {
       p_{device_, real_}, q_{device_, real_}, factor_b_{device_, real_}, factor_x_{device_, real_};
   Numbers size2_{device_, real_}, residual2_{device_, real_},
       rz_[2]{{device_, real_}, {device_, real_}}, pq_{device_, real_};
+  // Solutions that are kept, by columns, and their products with A.
+  Numbers kept_{device_, real_}, products_{device_, real_}, kept_sums_{device_, real_},
+      weights_{device_, real_};
+  int kept_count_ = 0, next_kept_ = 0;
+  static constexpr int all_unknown = (1 << most_kept) - 1;
+  int unknown_products_ = all_unknown;  ///< a bit per column
   bool then_is_there_ = false;  ///< rotations of the factor
   Pinned statuses_;             // two: the last one, and how an iteration begins
 };

@@ -125,6 +125,10 @@ bool OpenClDevice::find_turns(std::span<const Mat3> of_factor) {
   return attempt([&] { gradients_->find_turns(of_factor); });
 }
 
+bool OpenClDevice::keep(const Eigen::Ref<const MatX>& x, Index next) {
+  return attempt([&] { gradients_->keep(x, next); });
+}
+
 bool OpenClDevice::solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
                          Index max_iterations, ConjugateGradientDevice::Report& report) {
   return attempt([&] { report = gradients_->solve(b, x, tolerance, max_iterations); });

@@ -44,6 +44,7 @@ class OpenClDevice : public Component, public SweepDevice, public ConjugateGradi
   bool set_factor(const SupernodalFactor& factor) override;
   bool set_turns(std::span<const Mat3> turns) override;
   bool find_turns(std::span<const Mat3> of_factor) override;
+  bool keep(const Eigen::Ref<const MatX>& x, Index next) override;
   bool solve(const Eigen::Ref<const VecX>& b, Eigen::Ref<VecX> x, Real tolerance,
              Index max_iterations, ConjugateGradientDevice::Report& report) override;
   bool entries_of_inverse(std::span<const Index> rows, std::span<const Index> columns,

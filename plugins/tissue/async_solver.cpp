@@ -17,7 +17,7 @@ void AsyncSolver::analyse(std::shared_ptr<const NodePattern> pattern, std::span<
   postponed_.reset();
   worker_lost_ = false;
   device_factor_ = nullptr;
-  on_device_ = false;
+  on_device_ = recent_on_device_ = false;
   adoptions_.clear();
   adoptions_.reserve(4096);
   pattern_ = std::move(pattern);
@@ -103,14 +103,17 @@ bool AsyncSolver::give_to_device(bool same_matrix) {
 /// answered_ <- A^-1 asked_. False if the CPU shall do it.
 bool AsyncSolver::solve_on_device(Real tolerance) {
   ConjugateGradientDevice::Report r;
-  if (!device_->solve(asked_, answered_, tolerance, options_.max_iterations, r)) {
+  recent_on_device_ = recent_on_device_ || device_->keep(recent_.all(), recent_.next());
+  if (!recent_on_device_ ||
+      !device_->solve(asked_, answered_, tolerance, options_.max_iterations, r)) {
     report_.complain(device_->why_not());
-    on_device_ = false;
+    on_device_ = recent_on_device_ = false;
     return false;
   }
   report_.iterations += r.iterations;
   last_iterations_ = std::max(last_iterations_, r.iterations);
   if (!r.converged) return false;
+  recent_.add(answered_);
   report_.residual = std::max(report_.residual, r.residual);
   return true;
 }
@@ -254,7 +257,8 @@ void AsyncSolver::solve(Eigen::Ref<MatX> columns, Real enough) {
   columns = x;
   if (single) {
     answered_ = x.col(0);
-    recent_.add(*A_, fixed_, answered_);
+    recent_.add(answered_);
+    recent_on_device_ = false;
   }
 }
 

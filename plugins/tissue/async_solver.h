@@ -9,6 +9,7 @@
 #include "async_factor.h"
 #include "factor.h"
 #include "pcg.h"
+#include "recent_solutions.h"
 #include "sutura/component.h"
 #include "tissue_solver.h"
 
@@ -110,6 +111,7 @@ class AsyncSolver : public TissueSolver {
   bool on_device_ = false;                 ///< matrix and factor of this step are there
   const Factor* device_factor_ = nullptr;  ///< the one that is there
   Index device_snapshot_ = -1;
+  bool recent_on_device_ = false;  ///< it has kept what recent_ has
   Index compliance_id_ = 0;  ///< another one for every factor in use
   Pcg pcg_;
   RecentSolutions recent_;

@@ -37,7 +37,7 @@ void RecentSolutions::archive(Archive& a) {
   if (known.cols() > most || next_ < 0 || next_ >= most) return a.fail("too many solutions");
   if (known.rows() != x_.rows()) return a.fail("solutions of another mesh");
   count_ = known.cols();
-  products_ = 0;
+  matrix_changed();
   x_.leftCols(count_) = known;
 }
 
@@ -99,7 +99,7 @@ void AsyncSolver::archive(Archive& a) {
   jacobi_ready_ = false;
   worker_.reset();
   device_factor_ = nullptr;
-  on_device_ = false;
+  on_device_ = recent_on_device_ = false;
   current_.reset();
   spare_.reset();
   postponed_.reset();

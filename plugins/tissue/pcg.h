@@ -74,29 +74,6 @@ class Pcg {
   std::vector<Index> column_;  ///< which column of x each active one is
 };
 
-/// Where to start: the best combination, in the energy norm, of the solutions of the last steps.
-/// Forces and matrix change smoothly, so what was just solved is most of what is asked next; it
-/// costs one product with A per vector, where an iteration costs two triangular solves.
-class RecentSolutions {
- public:
-  static constexpr Index most = 6;
-  /// Forgets them all; those to come have size n.
-  void reset(Index n);
-  /// The products with A have to be made anew.
-  void matrix_changed() { products_ = 0; }
-  /// x <- sum c_k x_k with the least |x - A^-1 b|_A. False, x untouched, if there is nothing yet.
-  bool start(const NodeMatrix& A, std::span<const char> fixed, const VecX& b, GrowingMat& x);
-  void add(const NodeMatrix& A, std::span<const char> fixed, const VecX& x);
-  void archive(Archive& archive);
-
- private:
-  void multiply(const NodeMatrix& A, std::span<const char> fixed, Index column);
-  MatX x_, Ax_;
-  VecX in_, out_;
-  Index count_ = 0, next_ = 0;
-  Index products_ = 0;  ///< the first so many columns of Ax_ are valid
-};
-
 /// Zeroes the rows of fixed nodes.
 void clear_fixed(std::span<const char> fixed, Eigen::Ref<MatX> columns);
 

@@ -90,8 +90,8 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   trouble_.clear();
   if (problem.blocks.empty()) return {};
   SolveReport first;
-  if (options_.acceleration == Acceleration::subspace && !is_solved(problem) &&
-      linear_.eliminate(problem, others_)) {
+  if (options_.acceleration == Acceleration::subspace && linear_.find(problem) &&
+      !is_solved(problem) && linear_.eliminate(problem, others_)) {
     others_.hold_events = true;
     first = iterate(others_, std::min(patience, options_.sweeps), false);
     // What is not solved so is solved as a whole, from where it began.
@@ -171,7 +171,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
     const Real before = residual.value;
     if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
     Index swept = 0;
-    // With the direct step one sweep is often all: that takes the way to the device longer.
+    // With the direct step one sweep is often all, and W may be in the cache here.
     const bool direct = options_.acceleration == Acceleration::subspace;
     if (on_device_ && (!direct || report.sweeps > 0))
       swept = sweep_on_device(problem, before, sweeps - report.sweeps);

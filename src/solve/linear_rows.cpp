@@ -27,7 +27,7 @@ Real held_compliance(const ConstraintProblem& problem, const ConstraintBlock& b)
 
 }  // namespace
 
-void LinearRows::split(const ConstraintProblem& problem) {
+bool LinearRows::find(const ConstraintProblem& problem) {
   other_.clear();
   rows_.clear();
   other_rows_.clear();
@@ -43,6 +43,7 @@ void LinearRows::split(const ConstraintProblem& problem) {
   }
   held_ = static_cast<Index>(rows_.size());
   rows_.insert(rows_.end(), other_rows_.begin(), other_rows_.end());
+  return held_ > 0 && !other_rows_.empty();
 }
 
 /// matrix_ <- [S (W_hh + C) S, .; W_oh S, W_oo; d_h^T S, d_o^T], its lower part.
@@ -83,9 +84,7 @@ bool LinearRows::factorise() {
 }
 
 bool LinearRows::eliminate(const ConstraintProblem& problem, ConstraintProblem& others) {
-  split(problem);
   const auto o = static_cast<Index>(rows_.size()) - held_;
-  if (held_ == 0 || o == 0) return false;
   gather(problem);
   if (!scale_.head(held_).allFinite() || !factorise()) return false;
 

@@ -14,14 +14,15 @@ namespace sutura {
 
 class LinearRows {
  public:
-  /// `others` <- the problem without its linear rows. False if there is nothing to eliminate, or
-  /// nothing else, or if the linear rows repeat each other up to rounding.
+  /// False if there is nothing to eliminate, or nothing else.
+  bool find(const ConstraintProblem& problem);
+  /// `others` <- the problem without the rows that were found. False if these repeat each other up
+  /// to rounding.
   bool eliminate(const ConstraintProblem& problem, ConstraintProblem& others);
   /// Forces and modes of all rows from those of the others.
   void put_back(const ConstraintProblem& others, ConstraintProblem& problem);
 
  private:
-  void split(const ConstraintProblem& problem);
   void gather(const ConstraintProblem& problem);
   bool factorise();
 

@@ -27,7 +27,7 @@ if echo '#include <cholmod.h>' | g++ $flags -E -x c++ - >/dev/null 2>&1; then
   libraries="$libraries -lcholmod -lmetis -lopenblas"
 fi
 
-tissue="block_matrix pcg factor factor_cholmod factor_eigen factor_order dense_inverse corotational_t4 smoothed_t4
+tissue="block_matrix pcg recent_solutions factor factor_cholmod factor_eigen factor_order dense_inverse corotational_t4 smoothed_t4
   node_rotations rotation twist_stiffness async_solver async_factor async_state compliance
   growing_compliance held_nodes assembly tissue_step"
 thread="block_tridiagonal chain_motion element rod rod_guess rod_tangent stretches viscosity"

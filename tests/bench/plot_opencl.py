@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Chart of sutura_bench_opencl. usage: plot_opencl.py DIR
 
-opencl.png: time of a sweep and of a solve with conjugate gradients, on the device, on one core of the CPU, and the floor;
-below them, what single precision costs in accuracy. Panels whose CSV file is missing stay out.
+opencl.png: time of a sweep, of a solve with conjugate gradients and of a whole step, on the device and on one core of the
+CPU; every kernel of a step beside its floor; what single precision costs in accuracy. Panels whose CSV file is missing
+stay out.
 """
 import csv
 import pathlib
@@ -57,6 +58,34 @@ def gradients(axis, rows, device):
     axis.set_ylabel("us")
 
 
+def step(axis, rows, device):
+    for (way, style) in (("CPU", "k^-"), ("device", "C0o--"), ("device, contacts too", "C0o-")):
+        line(axis, points(rows, "nodes", "step ms", way=way), style, label=way)
+    line(axis, [(20000, 16), (50000, 33)], "r_", label="aim")
+    axis.set_title(f"a whole step, 300 contacts, {device}", fontsize=9)
+    axis.set_xlabel("nodes")
+    axis.set_ylabel("ms")
+
+
+def step_kernels(axis, rows, _):
+    sizes = sorted({int(r["nodes"]) for r in rows})
+    nodes = str(sizes[len(sizes) // 2])
+    kernels = sorted((r for r in rows if r["nodes"] == nodes and float(r["us a step"]) > 20),
+                     key=lambda r: float(r["us a step"]))
+    names = [r["kernel"] for r in kernels]
+    for column, colour, label in (("us a step", "C0", "from first item to last"), ("launches us", "C1", "its launches"),
+                                  ("floor us", "0.3", "its bytes over the bandwidth")):
+        width = 0.8 if column == "us a step" else 0.4
+        offset = {"us a step": 0, "launches us": 0.2, "floor us": -0.2}[column]
+        axis.barh([i + offset for i in range(len(names))], [float(r[column]) for r in kernels], height=width,
+                  color=colour, label=label)
+    axis.set_yticks(range(len(names)), names, fontsize=6)
+    axis.set_xscale("log")
+    axis.set_xlim(left=1)
+    axis.set_title(f"kernels of a step, {nodes} nodes", fontsize=9)
+    axis.set_xlabel("us a step")
+
+
 def sweeps_accuracy(axis, rows, _):
     for precision, colour in COLOURS.items():
         line(axis, points(rows, "contacts", "error of lambda", precision=precision), "o-", color=colour, label=precision)
@@ -81,7 +110,7 @@ def main():
     name = folder / "device.txt"
     device = name.read_text().strip() if name.exists() else "unnamed device"
     drawn = [(draw, read(folder / f"{draw.__name__}.csv"))
-             for draw in (sweeps, gradients, sweeps_accuracy, gradients_accuracy)]
+             for draw in (sweeps, gradients, step, step_kernels, sweeps_accuracy, gradients_accuracy)]
     drawn = [(draw, rows) for draw, rows in drawn if rows]
     if not drawn:
         return

@@ -165,8 +165,67 @@ TEST_F(DeviceGradients, SolveTheEquationsToTheTolerance) {
       }
     // The residual of the iteration is carried along; a few roundings part it from the true one.
     EXPECT_LT(difference(Ax, free), 2 * tolerance);
+    gradients.keep(MatX(b.size(), 0), 0);
     gradients.solve(b, again, tolerance, 200);
     EXPECT_TRUE(x == again) << "not the same bits";
+  }
+}
+
+// What combines right-hand sides that were solved is known but for what was left of them and the
+// shift of the small system; kept for it by another device, it is the same to the bit.
+TEST_F(DeviceGradients, StartFromTheBestCombinationOfWhatTheyHaveSolved) {
+  for (const Precision precision : {Precision::double_, Precision::mixed, Precision::single}) {
+    SCOPED_TRACE(static_cast<int>(precision));
+    Pad pad({8, 7, 5}, 0.004, soft, 0.01, false);
+    pad.assemble();
+    const auto factor = factor_of(pad, true);
+    SupernodalFactor supernodes;
+    ASSERT_TRUE(factor->supernodes(supernodes));
+    const std::vector<Mat3> turns(static_cast<std::size_t>(pad.nodes()), Mat3::Identity());
+    pad.A.add_diagonal(pad.mass, 2);  // not quite what was factorised
+    const auto prepare = [&](Gradients& gradients) {
+      gradients.set_matrix(view(pad), pad.fixed);
+      gradients.set_factor(supernodes);
+      gradients.set_turns(turns);
+    };
+    Gradients first(*device_, precision), second(*device_, precision);
+    for (Gradients* g : {&first, &second}) prepare(*g);
+
+    const Index n = 3 * pad.nodes();
+    const bool digits = precision == Precision::double_;
+    const Real solved = digits ? 1e-10 : 1e-5, enough = digits ? 1e-8 : 1e-3;
+    MatX b = MatX::Zero(n, 8), x = MatX::Zero(n, 8);
+    for (Index k = 0; k < 8; ++k) b.col(k) = random_vector(n).array().pow(k % 2 ? 1 : 2);
+    for (Index k = 0; k < 8; ++k) b.col(k).segment(k * n / 8, n / 8) *= 3;
+    for (Index k = 0; k < 8; ++k)
+      EXPECT_TRUE(first.solve(b.col(k), x.col(k), solved, 200).converged);
+    // Six are kept, of eight.
+    const VecX known = 0.3 * b.col(2) - 2 * b.col(5) + b.col(7), forgotten = b.col(0) - b.col(1);
+    VecX answer(n), again(n);
+    MatX kept(n, 6);
+    kept << x.col(6), x.col(7), x.middleCols(2, 4);
+    second.keep(kept, 2);
+    for (const VecX* asked : {&known, &forgotten}) {
+      const auto report = first.solve(*asked, answer, enough, 200);
+      EXPECT_TRUE(report.converged);
+      EXPECT_EQ(report.iterations == 0, asked == &known) << report.iterations;
+      second.solve(*asked, again, enough, 200);
+      EXPECT_TRUE(answer == again) << "not the same bits";
+    }
+    // With another matrix it begins with the best combination there is.
+    pad.A.add_diagonal(pad.mass, 2);
+    first.set_matrix(view(pad), pad.fixed);
+    const auto report = first.solve(known, answer, solved, 200);
+    EXPECT_TRUE(report.converged);
+    VecX Ax;
+    pad.A.multiply(answer, Ax);
+    Real left = 0, size = 0;
+    for (Index i = 0; i < pad.nodes(); ++i) {
+      if (pad.fixed[static_cast<std::size_t>(i)]) continue;
+      left += (Ax - known).segment<3>(3 * i).squaredNorm();
+      size += known.segment<3>(3 * i).squaredNorm();
+    }
+    EXPECT_LT(std::sqrt(left / size), 2 * solved);
   }
 }
 

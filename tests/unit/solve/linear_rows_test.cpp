@@ -36,7 +36,7 @@ TEST(LinearRows, TheRestMovesAsInTheWholeProblem) {
   for (int draw = 0; draw < 20; ++draw) {
     ConstraintProblem p = mixed(random), others;
     LinearRows rows;
-    ASSERT_TRUE(rows.eliminate(p, others));
+    ASSERT_TRUE(rows.find(p) && rows.eliminate(p, others));
     ASSERT_EQ(others.rows(), 6);
     ASSERT_EQ(others.blocks.size(), 3u);
     others.lambda = random_matrix(6, 1, random);
@@ -60,15 +60,15 @@ TEST(LinearRows, TheRestMovesAsInTheWholeProblem) {
 }
 
 TEST(LinearRows, NothingIsEliminatedWhereThatIsOfNoUse) {
-  ConstraintProblem held, capped, others;
+  ConstraintProblem held, capped;
   LinearRows rows;
   append<Bilateral<2>>(held, {});
   finish(held, Mat3::Identity().topLeftCorner<2, 2>(), Vec2::Ones());
-  EXPECT_FALSE(rows.eliminate(held, others)) << "there are no others";
+  EXPECT_FALSE(rows.find(held)) << "there are no others";
   append<Bilateral<2>>(capped, {.cap = 1});
   append<Unilateral>(capped, {});
   finish(capped, Mat3::Identity(), Vec3::Ones());
-  EXPECT_FALSE(rows.eliminate(capped, others)) << "what has a cap is not linear";
+  EXPECT_FALSE(rows.find(capped)) << "what has a cap is not linear";
 }
 
 /// Two rows that say the same cannot be told apart; the solver then takes the problem as a whole.
@@ -84,11 +84,12 @@ TEST(LinearRows, RowsThatRepeatEachOtherStay) {
   for (const Real rounding : {-1e-15, 0., 1e-15, 1e-13}) {
     W(1, 1) = 1 + rounding;
     p.W = W;
+    ASSERT_TRUE(rows.find(p));
     EXPECT_FALSE(rows.eliminate(p, others)) << rounding;
   }
   W(1, 1) = 1 + 1e-9;
   p.W = W;
-  EXPECT_TRUE(rows.eliminate(p, others));
+  EXPECT_TRUE(rows.find(p) && rows.eliminate(p, others));
 }
 
 }  // namespace

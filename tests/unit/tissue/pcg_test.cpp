@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "recent_solutions.h"
 #include "solver_fixture.h"
 
 namespace sutura::tissue {
@@ -95,7 +96,7 @@ TEST_F(Conjugate, RecentSolutionsSpanTheStart) {
   EXPECT_FALSE(recent.start(A, grid.fixed, b1, start));
   for (const VecX* b : {&b1, &b2}) {
     pcg.solve(A, grid.fixed, warped, *b, x, 1e-10, 100);
-    recent.add(A, grid.fixed, x.col(0));
+    recent.add(x.col(0));
   }
   const VecX b = 0.3 * b1 - 2 * b2;
   ASSERT_TRUE(recent.start(A, grid.fixed, b, start));
