@@ -28,7 +28,8 @@ Gradients::Gradients(const Device& device, Precision precision)
       solves_(device, precision),
       elements_(device, precision),
       contacts_(device, precision),
-      program_(device, precision, programs::gradients, "-DITEMS=256 -DGROUPS=128 -DMOST=" + std::to_string(most_kept)),
+      program_(device, precision, programs::gradients,
+               "-DITEMS=256 -DGROUPS=128 -DMOST=" + std::to_string(most_kept)),
       statuses_(device, 2 * sizeof(GradientStatus)) {}
 
 Gradients::~Gradients() {

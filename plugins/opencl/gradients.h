@@ -150,8 +150,8 @@ class Gradients {
   int kept_count_ = 0, next_kept_ = 0;
   static constexpr int all_unknown = (1 << most_kept) - 1;
   int unknown_products_ = all_unknown;  ///< a bit per column
-  bool then_is_there_ = false;  ///< rotations of the factor
-  Pinned statuses_;             // two: the last one, and how an iteration begins
+  bool then_is_there_ = false;          ///< rotations of the factor
+  Pinned statuses_;                     // two: the last one, and how an iteration begins
 };
 
 }  // namespace sutura::opencl

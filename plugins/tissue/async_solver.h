@@ -112,7 +112,7 @@ class AsyncSolver : public TissueSolver {
   const Factor* device_factor_ = nullptr;  ///< the one that is there
   Index device_snapshot_ = -1;
   bool recent_on_device_ = false;  ///< it has kept what recent_ has
-  Index compliance_id_ = 0;  ///< another one for every factor in use
+  Index compliance_id_ = 0;        ///< another one for every factor in use
   Pcg pcg_;
   RecentSolutions recent_;
   WarpedFactor warped_;
