@@ -1,9 +1,10 @@
-// A thread on an inclined plane: reference c01.
+// A thread and blocks of tissue on an inclined plane: reference c01.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "contact_scenes.h"
 #include "csv.h"
 #include "scenes/text_run.h"
 
@@ -57,6 +58,53 @@ TEST(Incline, SticksOrSlidesAsTheReferenceSays) {
   }
   EXPECT_GT(stuck, 7);
   EXPECT_GT(slid, 8);
+}
+
+/// A block of tissue of 10 x 8 x 6 mm that lies on the top of a tool which is inclined towards x,
+/// turned by `turn` about the normal.
+std::string block_on_tool(const std::string& tool, Real degrees, Real turn, Real mu,
+                          const std::string& young) {
+  const Eigen::AngleAxis<Real> tilt(degrees * std::numbers::pi / 180, Vec3::UnitY());
+  std::string corners;
+  for (const Real z : {0, 6})
+    for (const Real y : {-4, 4})
+      for (const Real x : {-5, 5})
+        corners +=
+            text_of(tilt * (Eigen::AngleAxis<Real>(turn, Vec3::UnitZ()) * Vec3(x, y, z))) + ' ';
+  const std::string place =
+      tool == "box" ? "size='40 1 0.02 m' centre='" + text_of(tilt * Vec3(0, 0, -0.01)) + "'" : "";
+  return "<plugin name='contact'/><node name='block'><BlockMesh corners='" + corners +
+         "mm' cells='3 2 2'/><Tissue name='tissue' young='" + young +
+         "' poisson='0.45' density='1000' damping_stiffness='10 ms'/></node>"
+         "<TissueProbe name='all' tissue='/block/tissue' box='-1 -1 -1 1 1 1'/>"
+         "<Tool name='tool' shape='" +
+         tool + "' axis='" + text_of(tilt * Vec3::UnitZ()) + "' " + place +
+         "/><Contact first='/block/tissue' tool='tool' friction='" + std::to_string(mu) + "'/>";
+}
+
+// A block that is soft sinks together and wobbles first. Its mean then rests, or goes like that of
+// a rigid one: friction is a share of the whole weight, however it is spread.
+TEST(Incline, BlocksOfTissueStickOrSlideToo) {
+  const Table reference = read_csv(SUTURA_SOURCE_DIR "/tests/reference/c01_incline.csv");
+  for (std::size_t i = 0; i < reference.rows.size(); ++i) {
+    const Real degrees = reference.number(i, "angle deg"), mu = reference.number(i, "mu");
+    if (std::abs(std::tan(degrees * std::numbers::pi / 180) - mu) < 1e-9) continue;
+    const std::string tool = i % 2 == 0 ? "plane" : "box", dt = i % 3 == 0 ? "20 ms" : "5 ms",
+                      young = i % 5 < 2 ? "2 kPa" : "100 kPa";
+    SCOPED_TRACE(tool + " of " + std::to_string(degrees) + " degrees, mu " + std::to_string(mu) +
+                 ", " + young + ", " + dt);
+    TextRun run(block_on_tool(tool, degrees, 0.3 * static_cast<Real>(i), mu, young),
+                "dt='" + dt + "'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.8);
+    const Vec3 before = run.vector("/all", "velocity"), at = run.vector("/all", "position");
+    run.run(1.8);
+    if (reference.number(i, "sticks") > 0)
+      EXPECT_LT((run.vector("/all", "position") - at).norm(), 1e-9);
+    else  // what is left of the wobble; 1 % of the least of these accelerations is 0.01 m/s^2
+      EXPECT_NEAR((run.vector("/all", "velocity") - before).norm(),
+                  reference.number(i, "acceleration m/s2"), 1e-3);
+  }
 }
 
 // Between the two coefficients: what lies still stays, what slides is dragged by the lower one.
