@@ -68,11 +68,15 @@ struct MovingCurve {
   }
 };
 
-/// Displacement over the step of the material that is now away from the section at s by `arm` (m).
-inline Vec3 moved(const CurveBody& curve, Real s, const Vec3& arm) {
-  const Pose was = curve.frame(s, Configuration::start);
-  const Pose is = curve.frame(s, Configuration::current);
-  return is.position + arm - at(was, is.rotation.conjugate() * arm);
+/// How far the surface has gone over the step at the touch that is now away from the section at s
+/// by `arm` (m): what it has rolled there counts as a length, roll times arm, however many turns it
+/// is. Where one and the same point of the surface is and was would be its sine.
+inline Vec3 moved(const SegmentedCurve& curve, Real s, const Vec3& arm) {
+  const Vec3 was = curve.tangent(s, Configuration::start),
+             is = curve.tangent(s, Configuration::current);
+  const Vec3 arm_was = shortest_rotation(is, was) * arm;
+  return curve.point(s, Configuration::current) - curve.point(s, Configuration::start) + arm -
+         arm_was + curve.roll(s) * is.cross(arm);
 }
 
 /// The lowest height over a plane that any point of the segment has on its way.
