@@ -148,23 +148,23 @@ TEST(Incline, AThreadAcrossItRolls) {
     Real degrees, mu, thickness_mm;
     const char* dt;
   };
-  for (const Case& c : {Case{20, 0.5, 0.2, "10 ms"}, Case{20, 0.5, 0.2, "1 ms"},
-                        Case{20, 0.5, 0.05, "10 ms"}, Case{10, 0.3, 0.5, "5 ms"},
-                        Case{40, 0.3, 0.2, "50 ms"}, Case{30, 0.1, 0.2, "2.5 ms"},
-                        Case{50, 0.3, 0.2, "10 ms"}}) {
+  for (const Case& c :
+       {Case{20, 0.5, 0.2, "10 ms"}, Case{20, 0.5, 0.2, "1 ms"}, Case{20, 0.5, 0.05, "10 ms"},
+        Case{10, 0.3, 0.5, "5 ms"}, Case{40, 0.3, 0.2, "20 ms"}, Case{20, 0.5, 0.2, "50 ms"},
+        Case{30, 0.1, 0.2, "2.5 ms"}, Case{50, 0.3, 0.2, "10 ms"}}) {
     SCOPED_TRACE(std::to_string(c.degrees) + ' ' + std::to_string(c.mu) + ' ' +
                  std::to_string(c.thickness_mm) + ' ' + c.dt);
     const Real angle = c.degrees * std::numbers::pi / 180;
     const Vec3 normal(std::sin(angle), 0, std::cos(angle));
-    TextRun run("<plugin name='contact'/>"
-                "<SutureThread name='suture' needle_length='0' thread='4-0 polypropylene' "
-                "thread_length='20 mm' thread_beams='10' tip_direction='0 1 0' thread_diameter='" +
-                    std::to_string(c.thickness_mm) + " mm' tip='" +
-                    text_of(c.thickness_mm / 2 * normal - Vec3(0, 10, 0)) +
-                    " mm'/><Tool name='plane' shape='plane' axis='" + text_of(normal) +
-                    "'/><Contact tool='plane' friction='" + std::to_string(c.mu) +
-                    "'/>",
-                std::string("dt='") + c.dt + "'");
+    TextRun run(
+        "<plugin name='contact'/>"
+        "<SutureThread name='suture' needle_length='0' thread='4-0 polypropylene' "
+        "thread_length='20 mm' thread_beams='10' tip_direction='0 1 0' thread_diameter='" +
+            std::to_string(c.thickness_mm) + " mm' tip='" +
+            text_of(c.thickness_mm / 2 * normal - Vec3(0, 10, 0)) +
+            " mm'/><Tool name='plane' shape='plane' axis='" + text_of(normal) +
+            "'/><Contact tool='plane' friction='" + std::to_string(c.mu) + "'/>",
+        std::string("dt='") + c.dt + "'");
     ASSERT_TRUE(run) << run.said();
     constexpr Real g = 9.81;
     const Real begin = run.number("/suture", "kinetic_energy"),
@@ -174,8 +174,8 @@ TEST(Incline, AThreadAcrossItRolls) {
     run.run(0.5);
     const Real gained = (run.vector("/suture", "tip_velocity") - before).norm() / 0.4;
     const bool rolls = std::tan(angle) < 3 * c.mu;
-    const Real expected = rolls ? 2. / 3 * g * std::sin(angle)
-                                : g * (std::sin(angle) - c.mu * std::cos(angle));
+    const Real expected =
+        rolls ? 2. / 3 * g * std::sin(angle) : g * (std::sin(angle) - c.mu * std::cos(angle));
     EXPECT_NEAR(gained, expected, 1e-3 * expected);
     const Real mass = 910 * std::numbers::pi * std::pow(c.thickness_mm / 2000, 2) * 20e-3;
     EXPECT_LT(run.number("/suture", "kinetic_energy") - begin,
