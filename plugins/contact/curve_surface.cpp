@@ -208,7 +208,9 @@ void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out)
 }
 
 Vec3 CurveSurface::slip(const Touch& t) const {
-  return moved(curve_, t.first_place, t.first_arm) - surface_.moved(t.triangle, t.weights);
+  const Pose still;  // what a triangle turns in a step is small
+  return moved_on(still, still, curve_, t.first_place, t.first_arm) -
+         surface_.moved(t.triangle, t.weights);
 }
 
 void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,

@@ -201,7 +201,8 @@ Touch CurveTool::touch_at(std::size_t i, Real u, const Facet& on) const {
 }
 
 Vec3 CurveTool::slip(const Touch& t) const {
-  return moved(curve_, t.first_place, t.first_arm) - tool_.moved(t.second_local);
+  return moved_on(tool_.placed(Configuration::start), tool_.placed(Configuration::current), curve_,
+                  t.first_place, t.first_arm);
 }
 
 void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "sutura/geometry/box_tree.h"
@@ -68,15 +69,39 @@ struct MovingCurve {
   }
 };
 
+/// Displacement over the step of the material that is now away from the section at s by `arm` (m).
+inline Vec3 moved(const CurveBody& curve, Real s, const Vec3& arm) {
+  const Pose was = curve.frame(s, Configuration::start);
+  const Pose is = curve.frame(s, Configuration::current);
+  return is.position + arm - at(was, is.rotation.conjugate() * arm);
+}
+
+/// By how much `to` is rolled about its x axis when that has gone there from `from` the shortest
+/// way (rad, at most pi).
+inline Real roll_between(const Quat& from, const Quat& to) {
+  const Quat tilted = shortest_rotation(from * Vec3::UnitX(), to * Vec3::UnitX()) * from;
+  const Quat left = tilted.conjugate() * to;
+  return 2 * std::atan2(left.w() < 0 ? -left.x() : left.x(), std::abs(left.w()));
+}
+
 /// How far the surface has gone over the step at the touch that is now away from the section at s
-/// by `arm` (m): what it has rolled there counts as a length, roll times arm, however many turns it
-/// is. Where one and the same point of the surface is and was would be its sine.
-inline Vec3 moved(const SegmentedCurve& curve, Real s, const Vec3& arm) {
-  const Vec3 was = curve.tangent(s, Configuration::start),
-             is = curve.tangent(s, Configuration::current);
-  const Vec3 arm_was = shortest_rotation(is, was) * arm;
-  return curve.point(s, Configuration::current) - curve.point(s, Configuration::start) + arm -
-         arm_was + curve.roll(s) * is.cross(arm);
+/// by `arm`, seen from a rigid partner that has gone from one pose to another (m). What the section
+/// has rolled on it counts as a length, roll times arm, however many turns it is; the way of one
+/// point of the surface is its sine.
+inline Vec3 moved_on(const Pose& partner_was, const Pose& partner_is, const SegmentedCurve& curve,
+                     Real s, const Vec3& arm) {
+  const Pose was = curve.frame(s, Configuration::start),
+             is = curve.frame(s, Configuration::current);
+  const Quat turn = partner_is.rotation * partner_was.rotation.conjugate();
+  const Pose carried{partner_is.position + turn * (was.position - partner_was.position),
+                     turn * was.rotation};
+  const Vec3 along = is.rotation * Vec3::UnitX();
+  const Vec3 arm_was = shortest_rotation(along, carried.rotation * Vec3::UnitX()) * arm;
+  constexpr Real whole = 2 * std::numbers::pi;
+  Real roll = roll_between(carried.rotation, is.rotation);
+  const Real about = curve.roll(s) - roll_between(was.rotation, carried.rotation);
+  roll += whole * std::round((about - roll) / whole);
+  return is.position - carried.position + arm - arm_was + roll * along.cross(arm);
 }
 
 /// The lowest height over a plane that any point of the segment has on its way.
