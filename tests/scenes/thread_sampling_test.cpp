@@ -40,11 +40,12 @@ TEST(ThreadSampling, AStitchSewnWithFewerBeams) {
   const Stitch uniform = sew("uniform", "");
   const Stitch sampled =
       sew("sampled", "--set /suture.thread_beams=30 --set /suture.sampling_angle=0.2");
-  // 30 beams without sampling leave the end of the thread 29 um off, its length inside 37 um, the
-  // gap 50 %: a third of that.
+  // 30 beams without sampling leave the end of the thread 29 um off, its length inside 37 um: a
+  // third of that. They leave the gap, 3.6 um, 1.8 um off; where friction lets it rest depends on
+  // rounding, by as much as a step may miss of a gap: 1 um.
   EXPECT_NEAR(sampled.entry, uniform.entry, 10e-6);
   EXPECT_NEAR(sampled.inserted, uniform.inserted, 12e-6);
-  EXPECT_NEAR(sampled.gap, uniform.gap, 0.17 * uniform.gap);
+  EXPECT_NEAR(sampled.gap, uniform.gap, 1e-6);
   // Rows keep their keys, hence their warm starts, when the beams under them change.
   EXPECT_LT(sampled.sweeps, 1.1 * uniform.sweeps);
 }
