@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "common_turn.h"
+
 namespace sutura::contact {
 namespace {
 
@@ -268,7 +270,16 @@ void CurveCurve::drop_doubles(std::vector<Touch>& touches, std::size_t from) {
 }
 
 Vec3 CurveCurve::slip(const Touch& t) const {
-  return moved(first_, t.first_place, t.first_arm) - moved(second_, t.second_place, t.second_arm);
+  const Pose a0 = first_.frame(t.first_place, Configuration::start),
+             a = first_.frame(t.first_place, Configuration::current),
+             b0 = second_.frame(t.second_place, Configuration::start),
+             b = second_.frame(t.second_place, Configuration::current);
+  // Seen from a partner that turns with both: what they roll counts against that.
+  const Real reach = t.first_arm.norm() + t.second_arm.norm();
+  const Pose start{Vec3::Zero(), Quat::Identity()},
+      now{Vec3::Zero(), common_turn(a0, a, b0, b, reach)};
+  return moved_on(start, now, first_, t.first_place, t.first_arm) -
+         moved_on(start, now, second_, t.second_place, t.second_arm);
 }
 
 void CurveCurve::couple(const Touch& t, BlockId block, const Directions& axes,

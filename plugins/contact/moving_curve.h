@@ -69,13 +69,6 @@ struct MovingCurve {
   }
 };
 
-/// Displacement over the step of the material that is now away from the section at s by `arm` (m).
-inline Vec3 moved(const CurveBody& curve, Real s, const Vec3& arm) {
-  const Pose was = curve.frame(s, Configuration::start);
-  const Pose is = curve.frame(s, Configuration::current);
-  return is.position + arm - at(was, is.rotation.conjugate() * arm);
-}
-
 /// By how much `to` is rolled about its x axis when that has gone there from `from` the shortest
 /// way (rad, at most pi).
 inline Real roll_between(const Quat& from, const Quat& to) {
