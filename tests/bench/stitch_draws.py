@@ -1,0 +1,144 @@
+#!/usr/bin/python3
+"""stitch_draws.py SUTURA [--draws 1-20] [--jobs N] [--dt MS] [--until S] [--limit S] [--out DIR]: ties the stitch of scenes/suture/interrupted.xml
+with ways of hands and jaws that have been moved at random, and counts how many are tied.
+
+Every key frame of every instrument is moved by up to 0.5 mm along each axis and turned by up to 3 degrees, by itself; besides, all of
+them are turned by up to 3 degrees about the place of the stitch. The two blades of a pair of jaws move as one. Draw 0 moves nothing.
+"""
+import argparse
+import bisect
+import concurrent.futures
+import csv
+import math
+import pathlib
+import random
+import shutil
+import subprocess
+import tempfile
+
+SUTURE = pathlib.Path(__file__).resolve().parents[2] / "scenes" / "suture"
+INSTRUMENTS = {"hand": [], "tail": [], "assistant": [], "jaws": ["_front", "_back"], "other_jaws": ["_front", "_back"]}
+MOVE, TURN = 0.5, math.radians(3)  # mm
+
+
+def times(q, p):
+    """Product of two quaternions (w, x, y, z): first p, then q."""
+    a, b, c, d = q
+    w, x, y, z = p
+    return (a * w - b * x - c * y - d * z, a * x + b * w + c * z - d * y, a * y - b * z + c * w + d * x, a * z + b * y - c * x + d * w)
+
+
+def quaternion(turn):
+    angle = math.hypot(*turn)
+    s = math.sin(angle / 2) / angle if angle else 0.5
+    return (math.cos(angle / 2), *(s * x for x in turn))
+
+
+def turn_of(q):
+    length = math.hypot(*q[1:])
+    angle = 2 * math.atan2(length, q[0])
+    return [angle * x / length if length else 0.0 for x in q[1:]]
+
+
+def turned(turn, at):
+    q = quaternion(turn)
+    return times(times(q, (0, *at)), (q[0], -q[1], -q[2], -q[3]))[1:]
+
+
+def ball(draw, size):
+    """A vector whose direction and length are drawn."""
+    while True:
+        v = [draw.uniform(-1, 1) for _ in range(3)]
+        if 0 < math.hypot(*v) <= 1:
+            return [size * x for x in v]
+
+
+def read(path):
+    rows = [line for line in csv.reader(open(path)) if not line[0].startswith("#")]
+    return rows[0], [[float(x) for x in row] for row in rows[1:]]
+
+
+def moved_ways(draw, folder):
+    """Writes all tables anew into the folder."""
+    common = ball(draw, TURN)
+    for name, parts in INSTRUMENTS.items():
+        head, keys = read(SUTURE / f"interrupted_{name}.csv")
+        at = [key[0] for key in keys]
+        moves = [([draw.uniform(-MOVE, MOVE) for _ in range(3)], ball(draw, TURN)) for _ in keys]
+
+        def between(way, t):
+            i = bisect.bisect_right(at, t)
+            if i in (0, len(at)):
+                return way[min(i, len(at) - 1)]
+            u = (t - at[i - 1]) / (at[i] - at[i - 1])
+            return [[(1 - u) * x + u * y for x, y in zip(p, q)] for p, q in zip(way[i - 1], way[i])]
+
+        middles = [[key[1:4]] for key in keys]
+        for part in ["", *parts]:
+            with open(folder / f"interrupted_{name}{part}.csv", "w") as out:
+                print(", ".join(x.strip() for x in head), file=out)
+                for key in read(SUTURE / f"interrupted_{name}{part}.csv")[1]:
+                    move, turn = between(moves, key[0])
+                    middle, = between(middles, key[0])
+                    arm = turned(turn, [x - m for x, m in zip(key[1:4], middle)])
+                    place = turned(common, [m + x + d for m, x, d in zip(middle, arm, move)])
+                    row = [key[0], *place]
+                    if len(key) > 4:
+                        q = times(quaternion(turn), quaternion([math.radians(x) for x in key[4:]]))
+                        row += [math.degrees(x) for x in turn_of(times(quaternion(common), q))]
+                    print(", ".join(f"{x:.6g}" for x in row), file=out)
+
+
+def run(sutura, number, options):
+    folder = pathlib.Path(tempfile.mkdtemp(prefix=f"draw_{number}_", dir=options.out))
+    for path in SUTURE.glob("interrupted*"):
+        shutil.copy(path, folder)
+    if number:
+        moved_ways(random.Random(number), folder)
+    command = [sutura, "run", folder / "interrupted.xml", "--output", folder / "out", "--duration", f"{options.until} s",
+               "--set", f".dt={options.dt} ms", "--set", "/vtu_recorder.interval=100 s"]
+    try:
+        code = subprocess.run(command, capture_output=True, timeout=options.limit).returncode
+    except subprocess.TimeoutExpired:
+        code = -1
+    with open(folder / "out" / "probe.csv") as probe:
+        head, *rows = csv.reader(probe)
+    shutil.rmtree(folder)
+    rows = [row for row in rows if len(row) == len(head)]  # the last one may be in the making
+    columns = {name.split(" ")[0]: column for name, column in zip(head, zip(*rows))}
+    time = [float(x) for x in columns["time"]]
+
+    def at(name, t):
+        return float(columns[name][bisect.bisect_right(time, t) - 1]) if t <= time[-1] else math.nan
+
+    # Have the jaws caught the tail for each throw, and how far apart are the lips when it is tight?
+    caught = "".join("-" if math.isnan(n) else str(int(n > 0)) for n in (at("tips.pieces", 8.6), at("other_tips.pieces", 14), at("tips.pieces", 19.3)))
+    gaps = [at("gap.distance", t) for t in (10.4, 15.8, 21.2)]
+    ended = {name: float(columns[name][-1]) for name in ("time", "tight.throws", "tight.crossings", "gap.distance", "suture.cuts",
+                                                         "puncture.punctures")}
+    return {"draw": number, "code": code, "steps": len(rows), "missed": sum(float(x) == 0 for x in columns["solved"]),
+            "passes": sum(map(float, columns["passes"])) / len(rows), "caught": caught, "gaps": gaps, **ended}
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("sutura")
+    parser.add_argument("--draws", default="1-20")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--dt", type=float, default=4)
+    parser.add_argument("--until", type=float, default=22.5)
+    parser.add_argument("--limit", type=float, default=1e6, help="time that a run may take (s); its exit code is then -1")
+    parser.add_argument("--out", default=None)
+    options = parser.parse_args()
+    first, _, last = options.draws.partition("-")
+    numbers = range(int(first), int(last or first) + 1)
+    print("draw  exit  ended at  steps  missed  passes  punctures  caught  cuts  throws  crossings  gap after each throw (mm), and at the end")
+    tied = 0
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for r in pool.map(lambda number: run(options.sutura, number, options), numbers):
+            is_tied = r["code"] in (0, 5) and r["tight.throws"] == 3 and r["gap.distance"] < 0.5e-3
+            tied += is_tied
+            print(f"{r['draw']:4}  {r['code']:4}  {r['time']:6.2f} s  {r['steps']:5}  {r['missed']:6}  {r['passes']:6.2f}"
+                  f"  {r['puncture.punctures']:9.0f}  {r['caught']:>6}  {r['suture.cuts']:4.0f}  {r['tight.throws']:6.0f}  {r['tight.crossings']:9.0f}"
+                  f"  {' '.join(f'{1e3 * x:.3f}' for x in [*r['gaps'], r['gap.distance']])}  {'tied' if is_tied else ''}", flush=True)
+    print(f"{tied} of {len(numbers)} end with three throws and a gap below 0.5 mm")
