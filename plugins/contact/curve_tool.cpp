@@ -41,7 +41,7 @@ void CurveTool::look() {
 }
 
 void CurveTool::look_at_start() {
-  const Pose frame = tool_.placed(Configuration::start);
+  const Pose frame = tool_.placed_without_spin(Configuration::start);
   start_at_node_.clear();
   start_room_.clear();
   for (CurveSegment& s : seen_.start) {

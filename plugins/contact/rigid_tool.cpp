@@ -123,6 +123,19 @@ Pose RigidTool::placed(Configuration c) const {
   return compose(c == Configuration::start ? motion_->start_pose() : motion_->pose(), as_modelled_);
 }
 
+Pose RigidTool::placed_without_spin(Configuration c) const {
+  Pose out = placed(c);
+  if (c == Configuration::current || mesh_ || shape_.kind == Shape::Kind::box) return out;
+  const Quat now = placed(Configuration::current).rotation;
+  if (shape_.kind == Shape::Kind::sphere) {
+    out.rotation = now;
+  } else {
+    const Vec3 axis = now * Vec3::UnitZ(), axis_then = out.rotation * Vec3::UnitZ();
+    out.rotation = (shortest_rotation(axis, axis_then) * now).normalized();
+  }
+  return out;
+}
+
 Vec3 RigidTool::moved(const Vec3& local) const {
   return at(placed(Configuration::current), local) - at(placed(Configuration::start), local);
 }

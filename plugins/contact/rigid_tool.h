@@ -26,6 +26,10 @@ class RigidTool : public Component, public Driver, public Drawing {
   const TriangleMesh* mesh() const { return mesh_ ? &*mesh_ : nullptr; }
   /// The frame of the shape, at the start of the step or now: at its end.
   Pose placed(Configuration c) const;
+  /// As `placed`, but the start without what a shape of revolution has spun about its own axis
+  /// since: that moves nothing out of its way. Seen from there and from here, what rests beside a
+  /// drum has not gone through it however far the drum has turned.
+  Pose placed_without_spin(Configuration c) const;
   /// Displacement over the step of a point of the shape, seen from it (m).
   Vec3 moved(const Vec3& local) const;
   /// Of a contact, on the tool, over the step.

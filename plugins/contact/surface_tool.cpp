@@ -30,7 +30,7 @@ Vec3 point(const Vec3& weights, const Corners& c) {
 }  // namespace
 
 Vec3 SurfaceTool::seen(const Vec3& world, Configuration c) const {
-  return seen_from(tool_.placed(c), world);
+  return seen_from(tool_.placed_without_spin(c), world);
 }
 
 Corners SurfaceTool::seen_at(Index t, Real time) const {

@@ -73,6 +73,17 @@ Pose KeyFrames::at(Real time) const {
   return assemble(position, (rotation_from_vector(u * turns_[i]) * rotations_[i]).normalized());
 }
 
+Real KeyFrames::largest_turn(Real time) const {
+  Real largest = 0;
+  for (std::size_t i = 0; i < turns_.size(); ++i) {
+    // The ease is symmetric, and fastest about its middle.
+    const Real share = std::min(Real(1), time / (keys_[i + 1].time - keys_[i].time));
+    const Real part = ease((1 + share) / 2, easing_) - ease((1 - share) / 2, easing_);
+    largest = std::max(largest, part * turns_[i].norm());
+  }
+  return largest;
+}
+
 Pose KeyFrames::assemble(const Vec3& position, const Quat& rotation) const {
   return {centre_ + position - rotation * centre_, rotation};
 }

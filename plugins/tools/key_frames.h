@@ -41,6 +41,9 @@ class KeyFrames {
   /// vectors: keys that share an axis may be more than half a turn apart.
   Pose at(Real time) const;
 
+  /// The largest angle by which it turns within such a time, between two keys (rad).
+  Real largest_turn(Real time) const;
+
   Real first_time() const { return keys_.front().time; }
   Real last_time() const { return keys_.back().time; }
 

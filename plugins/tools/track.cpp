@@ -1,10 +1,12 @@
 #include "track.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "key_frame_file.h"
 #include "key_frames.h"
 #include "sutura/archive.h"
+#include "sutura/units.h"
 
 namespace sutura::tools {
 
@@ -78,6 +80,12 @@ void Track::initialise(Setup& setup) {
     return;
   }
   frames_ = KeyFrames(std::move(keys), centre_, easing_);
+  if (const Real turn = frames_.largest_turn(dt_); !(turn < std::numbers::pi)) {
+    setup.error(*this, "turns by " + format_real(turn) + " rad in a step of " + format_real(dt_) +
+                           " s; expected less than half a turn: what it carries would go the "
+                           "shorter way round");
+    return;
+  }
   before_ = now_ = frames_.at(0);
 }
 
