@@ -12,6 +12,7 @@ namespace {
 // In units of the mean edge of the triangles.
 constexpr Real margin = 0.25;  // a touch is built from this far, before there is one
 constexpr Real dip = 0.01;     // what a triangle may be nearer than at its nodes
+constexpr Real cut = 0.05;     // what an edge may cut into one beside nodes that are pressed
 constexpr Real depth = 0.25;   // deeper inside than this it is not taken for having come in here
 constexpr Real wide = 3;       // of a tool that is wide against the mesh
 constexpr Real layers[] = {1e-3, 1e-2, 0.1};  // off a tool with edges, to find how they face it
@@ -155,10 +156,14 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
     return;
   }
   if (distance > margin * edge) return;
-  // A rim always cuts a little into the triangles around the nodes that it presses; a wide round
-  // tool into all, by a sixth of the square of the edge over its radius. There nodes are enough: a
-  // touch between them would move by that radius as the triangle tilts, and passes to and fro.
-  const bool is_between = shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge;
+  // A rim always cuts a little into the triangles around the nodes that it presses, and holding
+  // them there would make a punch wider than it is: only what tilts over an edge cuts in deeper. A
+  // wide round tool into all, by a sixth of the square of the edge over its radius. There nodes are
+  // enough: a touch between them would move by that radius as the triangle tilts, and passes to and
+  // fro.
+  const bool is_cut = distance < std::min(Real(0), at_nodes) - cut * edge;
+  const bool is_between =
+      shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge || is_cut;
   const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
   if (!is_between || !(was_touched || distance < at_nodes - dip * edge)) return;
   touch(name, {t, weights}, met.on, out);

@@ -1,6 +1,7 @@
 #include "track.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "key_frame_file.h"
@@ -19,7 +20,7 @@ void Track::describe(Describe<Track>& d) {
       "p(t)*. A key gives *p* (positions) and *R* (rotations: axis times angle). Between two "
       "keys *p* is interpolated along a line and *R* by slerp, turning through the angle closest "
       "to the difference of the two rotation vectors, so keys about one axis may lie more than "
-      "half a turn apart.\n\n"
+      "half a turn apart. In a step it may turn by less than that.\n\n"
       "The header of the CSV file names columns and units in any order: `t [s], x [mm], y [mm], "
       "z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is left out is zero.");
   d.attribute("times", &Track::times_, "s", between(-1e6, 1e6), "Times of the keys, increasing.");
@@ -81,8 +82,9 @@ void Track::initialise(Setup& setup) {
   }
   frames_ = KeyFrames(std::move(keys), centre_, easing_);
   if (const Real turn = frames_.largest_turn(dt_); !(turn < std::numbers::pi)) {
-    setup.error(*this, "turns by " + format_real(turn) + " rad in a step of " + format_real(dt_) +
-                           " s; expected less than half a turn: what it carries would go the "
+    setup.error(*this, "turns by up to " + format_real(std::round(100 * turn) / 100) +
+                           " rad in a step of " + format_real(dt_) +
+                           " s; expected less than half a turn: what follows it would go the "
                            "shorter way round");
     return;
   }

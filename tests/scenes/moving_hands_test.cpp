@@ -82,5 +82,16 @@ TEST_P(MovingHands, PushAStraightThreadTogether) {
 
 INSTANTIATE_TEST_SUITE_P(Steps, MovingHands, ::testing::Values(1e-3, 2.5e-3, 5e-3, 10e-3, 20e-3));
 
+// From half a turn on a rotation is the same as a shorter one the other way round.
+TEST(MovingHands, ThatTurnByHalfATurnInAStepAreRefused) {
+  const std::string turn = "times=\"0 1 s\" rotations=\"0 0 0  80 0 0\"",
+                    rest = "times=\"0\" positions=\"0 0 0\"";
+  EXPECT_TRUE(TextRun(held_thread(turn, rest), settings(0.02)));
+  TextRun refused(held_thread(turn, rest), settings(0.05));
+  EXPECT_FALSE(refused);
+  EXPECT_NE(refused.said().find("turns by up to 4 rad in a step of 0.05 s"), std::string::npos)
+      << refused.said();
+}
+
 }  // namespace
 }  // namespace sutura::testing

@@ -76,6 +76,15 @@ TEST(KeyFrames, KeysAboutOneAxisMayLieMoreThanHalfATurnApart) {
   }
 }
 
+TEST(KeyFrames, TellTheLargestTurnInAStep) {
+  const std::vector<KeyFrame> keys = {
+      {0, {0, 0, 0}, {0, 0, 0}}, {1, {0, 0, 0}, {0, 0, 10}}, {1.1, {0, 0, 0}, {0, 0, 8}}};
+  EXPECT_NEAR(KeyFrames(keys, Vec3::Zero(), Easing::linear).largest_turn(0.2), 2, rounding);
+  EXPECT_NEAR(KeyFrames(keys, Vec3::Zero(), Easing::linear).largest_turn(0.05), 1, rounding);
+  // From 0.4 to 0.6 of the way: 3 u^2 - 2 u^3 there is 0.352 and 0.648.
+  EXPECT_NEAR(KeyFrames(keys, Vec3::Zero(), Easing::smooth).largest_turn(0.2), 2.96, rounding);
+}
+
 TEST(KeyFrames, SlerpBetweenDifferentAxesTakesTheShortWay) {
   const KeyFrames f({{0, {0, 0, 0}, {0.4, 0, 0}}, {1, {0, 0, 0}, {0, 0.7, 0}}}, Vec3::Zero(),
                     Easing::linear);
