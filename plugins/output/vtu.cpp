@@ -19,28 +19,35 @@ static_assert(std::endian::native == std::endian::little, "byte_order in the fil
 
 using Bytes = std::vector<unsigned char>;
 
-/// Fast rather than small: a record is written in the middle of a simulation, and more effort gains
-/// a few per cent.
-constexpr int compression_level = 1;
+/// Packs as zlib does, without its search for what repeats: numbers of a simulation hardly do, and
+/// a record is written in the middle of a run. It takes half the time and a tenth more room.
+Bytes packed(const unsigned char* bytes, std::size_t size) {
+  z_stream stream{};
+  constexpr int fastest = 1, largest_window = 15, most_memory = 9;
+  if (deflateInit2(&stream, fastest, Z_DEFLATED, largest_window, most_memory, Z_RLE) != Z_OK)
+    throw std::bad_alloc();
+  Bytes out(deflateBound(&stream, static_cast<uLong>(size)));
+  stream.next_in = const_cast<unsigned char*>(bytes);  // zlib does not write there
+  stream.avail_in = static_cast<uInt>(size);
+  stream.next_out = out.data();
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);  // with the bound as its room it cannot fail
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
 
 /// One block of zlib after the four numbers that VTK wants before it: how many blocks, their size,
 /// that of the last if it is smaller, and the compressed size of each.
 std::string compressed(const unsigned char* bytes, std::size_t size) {
   std::array<std::uint64_t, 4> header{1, size, 0, 0};
   if (size == 0) header[0] = 0;
-  uLongf length = compressBound(static_cast<uLong>(size));
-  Bytes packed(length);
-  // With the bound as its room it can only fail for want of memory.
-  if (size > 0 &&
-      compress2(packed.data(), &length, bytes, static_cast<uLong>(size), compression_level) != Z_OK)
-    throw std::bad_alloc();
-  header[3] = size > 0 ? length : 0;
+  const Bytes block = size > 0 ? packed(bytes, size) : Bytes{};
+  header[3] = block.size();
   const std::size_t numbers = size > 0 ? 4 : 3;
   Bytes head(numbers * sizeof header[0]);
   std::memcpy(head.data(), header.data(), head.size());
-  std::string out = base64(head);
-  if (size > 0) out += base64({packed.data(), length});
-  return out;
+  return base64(head) + base64(block);
 }
 
 /// Seven digits are enough to look at a field and halve its file. Not for numbers out of the range
@@ -89,15 +96,13 @@ class Writer {
 std::string base64(std::span<const unsigned char> bytes) {
   static constexpr char digits[] =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+  std::string out((bytes.size() + 2) / 3 * 4, '=');
+  char* to = out.data();
+  for (std::size_t i = 0; i < bytes.size(); i += 3, to += 4) {
     const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
     std::uint32_t group = 0;
     for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < n ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += k <= n ? digits[group >> (18 - 6 * k) & 63] : '=';
-    }
+    for (std::size_t k = 0; k <= n; ++k) to[k] = digits[group >> (18 - 6 * k) & 63];
   }
   return out;
 }
