@@ -26,12 +26,12 @@ def run(sutura, knot, friction):
     apart = [b - a for a, b in zip(value("suture.tip_position.x"), value("suture.end_position.x"))]
     force = [1e3 * math.hypot(*f) for f in zip(*(value(f"left.force.{axis}") for axis in "xyz"))]
     begin = next(i for i, t in enumerate(value("time")) if t >= EASED)
-    laid_out = 0.5e3 * apart[0]
+    tight = 500 * max(apart)
     missed = sum(x == 0 for x in value("solved"))
     passes = sum(value("passes")) / len(rows)
     print(f"{knot}, mu {friction}: legs {force[begin]:.0f} mN at {EASED} s, then {min(force[begin:]):.0f} to {max(force[begin:]):.0f}, {force[-1]:.0f} at the end; ends in by"
           f" {500 * (apart[begin] - apart[-1]):.2f} mm; {missed} of {len(rows)} steps missed, {passes:.1f} passes each", flush=True)
-    return [laid_out - 500 * x for x in apart[begin:]], force[begin:]
+    return [tight - 500 * x for x in apart[begin:]], force[begin:]
 
 
 if __name__ == "__main__":
