@@ -1,10 +1,9 @@
 // How two strands that touch turn as one: what each rolls is told from what both turn.
-#include "common_turn.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "common_turn.h"
 #include "sutura/geometry/poses.h"
 
 namespace sutura::contact {
