@@ -32,6 +32,17 @@ Real turn(const CurveSegment& s) {
   return angle(s.ma, chord) + angle(chord, s.mb);
 }
 
+/// By how much more a segment may turn on its way than at its ends: where its slope goes from one
+/// direction to another by the angle p, it is as short as cos(p / 2) half way. Only of those that
+/// go far about; one that is turned round goes through itself.
+Real turn_on_the_way(const CurveSegment& start, const CurveSegment& now) {
+  constexpr Real far = 0.5, least = 1e-3;  // cosines
+  const auto cosine = [](const Vec3& a, const Vec3& b) { return a.dot(b) / (a.norm() * b.norm()); };
+  const Real turned = std::min(cosine(start.ma, now.ma), cosine(start.mb, now.mb));
+  if (!(turned < far)) return 1;
+  return 1 / std::max(least, std::sqrt((1 + turned) / 2));
+}
+
 Real reach(const CurveSegment& a, const CurveSegment& b) {
   return a.radius + b.radius;
 }
@@ -84,7 +95,8 @@ void CurveCurve::add_up_turns() {
   turned_.resize(a_.size() + 1);
   turned_[0] = 0;
   for (std::size_t i = 0; i < a_.size(); ++i)
-    turned_[i + 1] = turned_[i] + std::max(start_turn_[i], turn(a_.now[i]));
+    turned_[i + 1] = turned_[i] + std::max(start_turn_[i], turn(a_.now[i])) *
+                                      turn_on_the_way(a_.start[i], a_.now[i]);
 }
 
 bool CurveCurve::are_apart(std::size_t i, std::size_t j) const {

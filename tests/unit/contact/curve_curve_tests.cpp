@@ -77,5 +77,34 @@ TEST(CurveCurve, TakesADeepOverlapBackInSteps) {
   for (const Touch& t : Crossed(0.192e-3, 90).touches) EXPECT_EQ(t.left, 0);
 }
 
+// A third of a circle that hands turn in its plane within a step: on the straight way from one
+// state to the other it shrinks, and from some 150 degrees on it goes through itself.
+TEST(CurveCurve, SeesAStrandGoThroughItselfAsItIsTurnedRound) {
+  for (const Real turn : {0.5, 1.5, 2.9}) {
+    TextRun run(
+        "<SutureThread name='a' needle_length='20 mm' needle_angle='120 deg' needle_diameter='0.5 "
+        "mm' thread_length='5 mm' thread_beams='2' tip='0 0 0' tip_direction='-1 0 0'/>"
+        "<Track name='way' times='0 10 ms' rotations='0 0 0 0 0 " +
+            std::to_string(turn) + "'/><Grasper track='way' at='10 mm'/>",
+        "dt='10 ms' gravity='0 0 0' substeps='1'");
+    ASSERT_TRUE(run) << run.said();
+    run.simulation().step();
+    const auto& curve = run.component<SegmentedCurve>("/a");
+    const Vec3 was = curve.tangent(10e-3, Configuration::start),
+               is = curve.tangent(10e-3, Configuration::current);
+    ASSERT_NEAR(std::acos(was.dot(is)), turn, 0.1);
+    CurveCurve pair(curve, curve);
+    ContactMemory memory;
+    memory.begin_step();
+    std::vector<Touch> touches;
+    pair.find(memory, touches);
+    if (turn < 2)
+      EXPECT_EQ(pair.free_way(), 1) << turn;
+    else
+      EXPECT_LT(pair.free_way(), 1) << turn;
+    EXPECT_TRUE(touches.empty());
+  }
+}
+
 }  // namespace
 }  // namespace sutura::contact
