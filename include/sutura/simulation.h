@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -56,7 +57,7 @@ struct StepReport {
   Index rows = 0;
   SolveReport solve;   ///< of the last pass; events are those of the whole step
   Index passes = 0;    ///< of all parts of the step, failed tries included
-  Index parts = 1;     ///< into how many the step was divided at its finest
+  Index parts = 1;     ///< into how many the step was divided at its finest, events included
   bool solved = true;  ///< every part met the tolerances
   Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
   std::vector<BodyReport> bodies;  ///< in the order of Simulation::bodies
@@ -82,6 +83,9 @@ class Driver {
   /// Once per step, or per part of a step that was divided; and once before the first one, with a
   /// step of no length, where a body settles.
   virtual void drive(const StepContext& context) = 0;
+  /// First time after `time` at which it does something at once, as jaws open or blades close (s);
+  /// infinity if there is none. A step that such a time lies in is divided there.
+  virtual Real next_event(Real /*time*/) const { return std::numeric_limits<Real>::infinity(); }
 };
 
 class Simulation;
@@ -172,6 +176,8 @@ class Simulation {
   std::string ask_recorder(Recorder& recorder, const Call& call);
   std::string take_folder(bool files_stay);
   void take_step(Timer& timer);
+  Real next_event(Real begin, Real end) const;
+  void take_stretch(Real begin, Real length, Timer& timer);
   void begin_report();
   void record();
   bool balance(StepContext context, Timer& timer);

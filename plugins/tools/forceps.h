@@ -22,6 +22,7 @@ class Forceps : public Component,
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
+  Real next_event(Real time) const override { return next_change(time); }
 
   // ConstraintSource
   void detect(const StepContext& context) override;

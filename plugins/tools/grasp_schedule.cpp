@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 #include "sutura/units.h"
 
@@ -44,6 +45,11 @@ std::string GraspSchedule::check(const std::vector<Real>& grasps,
 
 Index GraspSchedule::events_until(Real time, Real slack) const {
   return std::upper_bound(events_.begin(), events_.end(), time + slack) - events_.begin();
+}
+
+Real GraspSchedule::next_after(Real time) const {
+  const auto next = std::upper_bound(events_.begin(), events_.end(), time);
+  return next == events_.end() ? std::numeric_limits<Real>::infinity() : *next;
 }
 
 }  // namespace sutura::tools

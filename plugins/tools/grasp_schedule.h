@@ -21,6 +21,8 @@ class GraspSchedule {
   /// Number of events up to and including `time`: odd while closed. An event within `slack` (s)
   /// after `time` counts, so that a step that begins at 0.1 + 0.2 s sees the event at 0.3 s.
   Index events_until(Real time, Real slack) const;
+  /// The first event after `time` (s); infinity if there is none.
+  Real next_after(Real time) const;
 
  private:
   std::vector<Real> events_;

@@ -11,7 +11,7 @@ void Grasper::describe(Describe<Grasper>& d) {
       "track until they let go. The section is named by its abscissa; Forceps take what is "
       "between them.");
   d.theory(
-      "When the jaws close, at the start of the first step at or after the time of grasp, the "
+      "When the jaws close, at the time of grasp (a step is divided there), the "
       "pose of the section relative to the tool is recorded, so nothing jumps. While they are "
       "closed the section is tied to *tool pose at the end of the step* times *that relative "
       "pose* by the implicit spring of CurveBody::set_hold: six stiffnesses, three in "

@@ -15,6 +15,7 @@ class Grasper : public Component, public Driver, public TimedJaws {
   void ready(Setup& setup) override;
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
+  Real next_event(Real time) const override { return next_change(time); }
 
   Wrench wrench() const override { return holding() ? body_->hold_wrench(hold_) : Wrench{}; }
 

@@ -1,6 +1,7 @@
 #include "scissors.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "sutura/archive.h"
 #include "sutura/scene.h"
@@ -32,6 +33,11 @@ void Scissors::drive(const StepContext& context) {
   if (due > closed_ || told_) cut();
   closed_ = std::max(closed_, due);
   told_ = false;
+}
+
+Real Scissors::next_event(Real time) const {
+  const auto next = std::upper_bound(times_.begin(), times_.end(), time);
+  return next == times_.end() ? std::numeric_limits<Real>::infinity() : *next;
 }
 
 void Scissors::cut() {

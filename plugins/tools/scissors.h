@@ -17,6 +17,7 @@ class Scissors : public Component, public Driver, public ToolSpace {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
+  Real next_event(Real time) const override;
 
  private:
   void cut();

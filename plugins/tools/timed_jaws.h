@@ -29,6 +29,8 @@ class TimedJaws : public Jaws {
   /// At the start of a step. True if they have closed or opened; also if they have done both, so
   /// that what they hold is taken anew.
   bool update(const StepContext& context);
+  /// The first time after `time` at which the scene has them close or open (s).
+  Real next_change(Real time) const { return schedule_.next_after(time); }
   /// At the end of a step: how much of what is between them and their middle is left. Jaws that
   /// take no time to close leave all.
   Real still_open(const StepContext& context) const;

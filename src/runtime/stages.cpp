@@ -24,6 +24,18 @@ void Simulation::begin_report() {
   }
 }
 
+/// Where the step, now at `begin`, is divided next: where a driver has an event, or at its end. No
+/// stretch is shorter than a sixteenth of a step, for its matrices' sake: an event that is nearer
+/// to `begin` waits until then, one that is nearer to the end waits for the end.
+Real Simulation::next_event(Real begin, Real end) const {
+  const Real shortest = scene_->dt / 16;
+  Real next = end;
+  for (const Driver* driver : drivers_)
+    next =
+        std::min(next, std::max(driver->next_event(begin + 1e-6 * scene_->dt), begin + shortest));
+  return next > end - shortest ? end : next;
+}
+
 /// Balanced is not enough where a body can go lower. False if none can.
 bool Simulation::leave_saddles() {
   bool left = false;

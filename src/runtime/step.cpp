@@ -29,20 +29,15 @@ const StepReport& Simulation::step() {
   return report_;
 }
 
-/// One step, or several shorter ones where that is too long to be solved.
+/// One step, divided where jaws open or close within it.
 void Simulation::take_step(Timer& timer) {
-  const Real dt = scene_->dt;
-  for (StepDivision division(scene_->limits.substeps); !division.done();) {
-    const StepContext context{.dt = dt / static_cast<Real>(division.parts()),
-                              .time = report_.time + dt * division.begin(),
-                              .step = report_.step,
-                              .gravity = scene_->gravity};
-    const bool solved = balance(context, timer) && is_short_enough(context);
-    if (!solved && division.halve()) continue;
-    report_.parts = std::max(report_.parts, division.parts());
-    accept(context, solved, timer);
-    if (!report_.finite) break;
-    division.next();
+  const Real dt = scene_->dt, end = report_.time + dt;
+  report_.parts = 0;
+  for (Real begin = report_.time; begin < end && report_.finite;) {
+    const Real next = next_event(begin, end);
+    const bool whole = begin == report_.time && next == end;
+    take_stretch(begin, whole ? dt : next - begin, timer);
+    begin = next;
   }
   report_.step += 1;
   report_.time = static_cast<Real>(report_.step) * dt;
@@ -50,6 +45,25 @@ void Simulation::take_step(Timer& timer) {
   // Files. Read-only.
   timer.enter(Stage::record);
   record();
+}
+
+/// A step, or what lies between two events in it; several shorter steps where that is too long to
+/// be solved.
+void Simulation::take_stretch(Real begin, Real length, Timer& timer) {
+  Index finest = 1;
+  for (StepDivision division(scene_->limits.substeps); !division.done();) {
+    const StepContext context{.dt = length / static_cast<Real>(division.parts()),
+                              .time = begin + length * division.begin(),
+                              .step = report_.step,
+                              .gravity = scene_->gravity};
+    const bool solved = balance(context, timer) && is_short_enough(context);
+    if (!solved && division.halve()) continue;
+    finest = std::max(finest, division.parts());
+    accept(context, solved, timer);
+    if (!report_.finite) break;
+    division.next();
+  }
+  report_.parts += finest;
 }
 
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace sutura::tools {
 namespace {
 
@@ -21,6 +23,14 @@ TEST(GraspSchedule, SlackForgivesTheRoundingOfTheClock) {
   const Real sum = 0.1 + 0.1 + 0.1 - 1e-15;
   EXPECT_EQ(s.events_until(sum, 0), 0);
   EXPECT_EQ(s.events_until(sum, 1e-8), 1);
+}
+
+TEST(GraspSchedule, SaysWhatComesNext) {
+  const GraspSchedule s({0.2, 2}, {1});
+  EXPECT_EQ(s.next_after(-1), 0.2);
+  EXPECT_EQ(s.next_after(0.2), 1);
+  EXPECT_EQ(s.next_after(1.5), 2);
+  EXPECT_EQ(s.next_after(2), std::numeric_limits<Real>::infinity());
 }
 
 TEST(GraspSchedule, CheckSaysWhatIsWrong) {
