@@ -55,9 +55,11 @@ struct StepReport {
   Real time = 0;  ///< s, at the end of the step
   Index blocks = 0;
   Index rows = 0;
-  SolveReport solve;   ///< of the last pass; events are those of the whole step
-  Index passes = 0;    ///< of all parts of the step, failed tries included
-  Index parts = 1;     ///< into how many the step was divided at its finest, events included
+  SolveReport solve;  ///< of the last pass; events are those of the whole step
+  Index passes = 0;   ///< of all parts of the step, failed tries included
+  /// Into how many the step was divided. Events divide it into stretches, of each of which its
+  /// finest division counts.
+  Index parts = 1;
   bool solved = true;  ///< every part met the tolerances
   Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
   std::vector<BodyReport> bodies;  ///< in the order of Simulation::bodies
@@ -176,7 +178,7 @@ class Simulation {
   std::string ask_recorder(Recorder& recorder, const Call& call);
   std::string take_folder(bool files_stay);
   void take_step(Timer& timer);
-  Real next_event(Real begin, Real end) const;
+  Real next_event(Real begin, Real end);
   void take_stretch(Real begin, Real length, Timer& timer);
   void begin_report();
   void record();

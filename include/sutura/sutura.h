@@ -147,7 +147,7 @@ typedef struct sutura_report {
   double duration;      /* s, what the scene gives; 0: nothing */
   int64_t rows;         /* of constraints */
   int64_t passes;       /* linearisations, all parts of the step together */
-  int64_t parts;        /* into how many the step was divided at its finest */
+  int64_t parts;        /* into how many the step was divided; between two events, at its finest */
   int64_t events;       /* what cannot be undone: punctures, breaking away */
   int64_t faults;   /* reasons not to trust the step; their sentences go to the message function */
   double imbalance; /* of momentum, relative to the forces at work; the worst over the bodies */

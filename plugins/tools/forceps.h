@@ -11,9 +11,8 @@
 namespace sutura::tools {
 
 class Forceps : public Component,
-                public Driver,
-                public ConstraintSource,
                 public TimedJaws,
+                public ConstraintSource,
                 public ToolSpace,
                 public Drawing {
  public:
@@ -22,7 +21,6 @@ class Forceps : public Component,
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
-  Real next_event(Real time) const override { return next_change(time); }
 
   // ConstraintSource
   void detect(const StepContext& context) override;

@@ -20,6 +20,11 @@ std::vector<Real> interleave(const std::vector<Real>& grasps, const std::vector<
 
 }  // namespace
 
+Real first_after(Real time, const std::vector<Real>& times) {
+  const auto next = std::upper_bound(times.begin(), times.end(), time);
+  return next == times.end() ? std::numeric_limits<Real>::infinity() : *next;
+}
+
 GraspSchedule::GraspSchedule(const std::vector<Real>& grasps, const std::vector<Real>& releases)
     : events_(interleave(grasps, releases)) {
   assert(check(grasps, releases).empty());
@@ -45,11 +50,6 @@ std::string GraspSchedule::check(const std::vector<Real>& grasps,
 
 Index GraspSchedule::events_until(Real time, Real slack) const {
   return std::upper_bound(events_.begin(), events_.end(), time + slack) - events_.begin();
-}
-
-Real GraspSchedule::next_after(Real time) const {
-  const auto next = std::upper_bound(events_.begin(), events_.end(), time);
-  return next == events_.end() ? std::numeric_limits<Real>::infinity() : *next;
 }
 
 }  // namespace sutura::tools

@@ -8,6 +8,9 @@
 
 namespace sutura::tools {
 
+/// The first of the `times`, which do not decrease, that is after `time` (s); infinity if none is.
+Real first_after(Real time, const std::vector<Real>& times);
+
 class GraspSchedule {
  public:
   /// Grasps and releases alternate, a grasp first; the last grasp may have no release.
@@ -22,7 +25,7 @@ class GraspSchedule {
   /// after `time` counts, so that a step that begins at 0.1 + 0.2 s sees the event at 0.3 s.
   Index events_until(Real time, Real slack) const;
   /// The first event after `time` (s); infinity if there is none.
-  Real next_after(Real time) const;
+  Real next_after(Real time) const { return first_after(time, events_); }
 
  private:
   std::vector<Real> events_;

@@ -2,12 +2,11 @@
 #pragma once
 
 #include "sutura/body.h"
-#include "sutura/simulation.h"
 #include "timed_jaws.h"
 
 namespace sutura::tools {
 
-class Grasper : public Component, public Driver, public TimedJaws {
+class Grasper : public Component, public TimedJaws {
  public:
   static void describe(Describe<Grasper>& d);
 
@@ -15,7 +14,6 @@ class Grasper : public Component, public Driver, public TimedJaws {
   void ready(Setup& setup) override;
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
-  Real next_event(Real time) const override { return next_change(time); }
 
   Wrench wrench() const override { return holding() ? body_->hold_wrench(hold_) : Wrench{}; }
 

@@ -1,7 +1,6 @@
 #include "scissors.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "sutura/archive.h"
 #include "sutura/scene.h"
@@ -33,11 +32,6 @@ void Scissors::drive(const StepContext& context) {
   if (due > closed_ || told_) cut();
   closed_ = std::max(closed_, due);
   told_ = false;
-}
-
-Real Scissors::next_event(Real time) const {
-  const auto next = std::upper_bound(times_.begin(), times_.end(), time);
-  return next == times_.end() ? std::numeric_limits<Real>::infinity() : *next;
 }
 
 void Scissors::cut() {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "grasp_schedule.h"
 #include "sutura/cuttable.h"
-#include "sutura/schedule.h"
 #include "sutura/simulation.h"
 #include "tool_space.h"
 
@@ -17,7 +17,7 @@ class Scissors : public Component, public Driver, public ToolSpace {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
-  Real next_event(Real time) const override;
+  Real next_event(Real time) const override { return first_after(time, times_); }
 
  private:
   void cut();

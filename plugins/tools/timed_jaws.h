@@ -10,15 +10,17 @@
 #include "sutura/archive.h"
 #include "sutura/body.h"
 #include "sutura/describe.h"
+#include "sutura/simulation.h"
 #include "sutura/tool.h"
 
 namespace sutura::tools {
 
-class TimedJaws : public Jaws {
+class TimedJaws : public Driver, public Jaws {
  public:
   void grasp() override { told_ = Told::close; }
   void release() override { told_ = Told::open; }
   bool holding() const override { return closed_; }
+  Real next_event(Real time) const override { return schedule_.next_after(time); }
 
  protected:
   /// `closing`: what they do in that time. T is the component.
@@ -29,8 +31,6 @@ class TimedJaws : public Jaws {
   /// At the start of a step. True if they have closed or opened; also if they have done both, so
   /// that what they hold is taken anew.
   bool update(const StepContext& context);
-  /// The first time after `time` at which the scene has them close or open (s).
-  Real next_change(Real time) const { return schedule_.next_after(time); }
   /// At the end of a step: how much of what is between them and their middle is left. Jaws that
   /// take no time to close leave all.
   Real still_open(const StepContext& context) const;

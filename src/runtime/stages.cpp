@@ -12,7 +12,7 @@ namespace sutura {
 
 void Simulation::begin_report() {
   report_.passes = 0;
-  report_.parts = 1;
+  report_.parts = 0;
   report_.solved = report_.finite = true;
   report_.violation = 0;
   report_.solve = {};
@@ -27,12 +27,13 @@ void Simulation::begin_report() {
 /// Where the step, now at `begin`, is divided next: where a driver has an event, or at its end. No
 /// stretch is shorter than a sixteenth of a step, for its matrices' sake: an event that is nearer
 /// to `begin` waits until then, one that is nearer to the end waits for the end.
-Real Simulation::next_event(Real begin, Real end) const {
+Real Simulation::next_event(Real begin, Real end) {
   const Real shortest = scene_->dt / 16;
   Real next = end;
-  for (const Driver* driver : drivers_)
-    next =
-        std::min(next, std::max(driver->next_event(begin + 1e-6 * scene_->dt), begin + shortest));
+  for (Driver* driver : drivers_) {
+    const Real event = ask(driver).next_event(begin + 1e-6 * scene_->dt);
+    next = std::min(next, std::max(event, begin + shortest));
+  }
   return next > end - shortest ? end : next;
 }
 

@@ -32,8 +32,8 @@ const StepReport& Simulation::step() {
 /// One step, divided where jaws open or close within it.
 void Simulation::take_step(Timer& timer) {
   const Real dt = scene_->dt, end = report_.time + dt;
-  report_.parts = 0;
   for (Real begin = report_.time; begin < end && report_.finite;) {
+    timer.enter(Stage::inputs);
     const Real next = next_event(begin, end);
     const bool whole = begin == report_.time && next == end;
     take_stretch(begin, whole ? dt : next - begin, timer);

@@ -37,6 +37,31 @@ Extremes extremes(TextRun& run, Real dt, Real duration) {
   return e;
 }
 
+/// A hand closes within a step, on a strand that another one holds, and draws on at 5 mm/s: the
+/// strand is stretched by what the hand goes while it is closed, whatever the step.
+class LateHand : public ::testing::TestWithParam<Real> {};
+
+TEST_P(LateHand, StretchesByItsWayWhileClosed) {
+  TextRun run(
+      "<SutureThread name='suture' needle_length='0' tip_direction='-1 0 0' thread_length='100 mm' "
+      "thread_beams='100'/><Track name='still' times='0'/>"
+      "<Track name='way' times='0 1 s' positions='0 0 0  5 0 0 mm'/>"
+      "<Grasper name='a' at='30 mm' track='still'/>"
+      "<Grasper name='b' at='50 mm' track='way' grasp='0.1073 s'/>",
+      "dt='" + std::to_string(1e3 * GetParam()) + " ms' gravity='0 0 0'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.2);
+  // EA of 4-0, and both grips give way: 1 kN/mm each, by default.
+  constexpr Real EA = 36.08, length = 20e-3, grip = 1e6;
+  const Real strain = 5e-3 * (0.2 - 0.1073) / length / (1 + 2 * EA / (length * grip));
+  // The hand starts at once, so the strand still rings; that is below a thousandth.
+  EXPECT_NEAR(run.number("/suture", "largest_strain"), strain, 2e-3 * strain);
+  EXPECT_NEAR(run.vector("/b", "force").norm(), EA * strain, 2e-3 * EA * strain);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, LateHand,
+                         ::testing::Values(1e-3, 2.5e-3, 5e-3, 10e-3, 20e-3, 50e-3));
+
 class MovingHands : public ::testing::TestWithParam<Real> {};
 
 // The thread is swung to and fro at 1 m/s. It weighs 7 mg: its tension is of the order of 1 mN,

@@ -29,6 +29,17 @@ TEST(Scissors, WhatIsBelowFallsAndTheRestCarriesTheRest) {
   EXPECT_TRUE(run.simulation().report().solved);
 }
 
+TEST(Scissors, CutWithinAStep) {
+  TextRun run = TextRun::file("components/Scissors.xml", {{"/scissors.times", "0.1023 s"}});
+  run.run(0.1);
+  const Real before = run.vector("/suture_thread", "end_position").z();
+  run.run(0.3);
+  // What is left of that step, and n whole ones. Before the cut, it hung still.
+  constexpr Real h = 5e-3, rest = 2.7e-3, n = 39;
+  const Real fallen = gravity * (rest * rest + n * h * rest + h * h * n * (n + 1) / 2);
+  EXPECT_NEAR(run.vector("/suture_thread", "end_position").z(), before - fallen, 1e-8);
+}
+
 constexpr const char* between_hands =
     "<SutureThread name='a' needle_length='0' thread_length='40 mm' thread_beams='40' "
     "tip_direction='-1 0 0' damping_stiffness='0.1 ms' STRENGTH/>"

@@ -30,7 +30,7 @@ class Report:
     solved: bool  #: every tolerance of the scene has been met
     rows: int  #: of constraints
     passes: int  #: linearisations
-    parts: int  #: into how many the step was divided at its finest
+    parts: int  #: into how many the step was divided; between two events, at its finest
     events: int  #: what cannot be undone: punctures, breaking away
     faults: int  #: reasons not to trust the step
     imbalance: float  #: of momentum, relative to the forces at work

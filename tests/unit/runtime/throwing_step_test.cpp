@@ -91,6 +91,10 @@ class BombClock : public Component, public Driver, public Bomb {
     d.attribute("in", static_cast<std::string BombClock::*>(&Bomb::in), "Where.");
   }
   void drive(const StepContext& c) override { pass_by("drive", c.step); }
+  Real next_event(Real time) const override {
+    pass_by("next_event", time > 1e-4 ? 1 : 0);
+    return Driver::next_event(time);
+  }
   void archive(Archive& a) override { pass_by_archive(a); }
 };
 
@@ -176,6 +180,10 @@ TEST(AThrowInAStep, NamesTheSource) {
 
 TEST(AThrowInAStep, NamesTheDriverAndTheRecorder) {
   EXPECT_EQ(failure("<BombClock name='b' in='drive'/>"), boom("BombClock", "inputs"));
+  // Not the first one to be asked: another driver must not be blamed.
+  EXPECT_EQ(failure("<BombClock name='b' in='next_event'/>"
+                    "<BombClock name='c' in=''/>"),
+            boom("BombClock", "inputs"));
   EXPECT_EQ(failure("<BombNotes name='b' in='record'/>"), boom("BombNotes", "record"));
 }
 
