@@ -94,6 +94,8 @@ void Puncture::archive(Archive& a) {
   a("region", region_);
   a("threshold_here", threshold_here_);
   a("presses", presses_);
+  a("place", place_);
+  a("lifted", lifted_);
   a("touched", touched_.at);
   a("touched_triangle", touched_.triangle);
   footprint_.archive(a);
@@ -106,26 +108,24 @@ void Puncture::archive(Archive& a) {
 /// What the tip faces is found where the step begins and kept; passes only follow it. A guess that
 /// goes further than the first one may meet what that did not.
 void Puncture::detect(const StepContext& context) {
-  std::optional<Vec3> pressed_at;
   if (context.pass == 0) {
     const bool inside = path_->channel().tip_inside();
-    pressed_at = find_front();
+    find_front();
     const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
-  const bool is_met = front_ == Front::none && context.pass > 0 && meet_on_the_way();
-  if (front_ == Front::none || front_ == Front::overrun) return;
-  if (context.pass == 0 || is_met) {
-    if (front_ == Front::layer)
-      footprint_.find(touched_);
-    else
-      footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
-                      threshold_of_front());
-    if (pressed_at) footprint_.put_under(*pressed_at, path_->tissue());
-  }
-  follow_front();
+  if (front_ == Front::none && context.pass > 0 && meet_on_the_way()) lay_footprint();
+  if (front_ != Front::none && front_ != Front::overrun) follow_front();
+}
+
+void Puncture::lay_footprint() {
+  if (front_ == Front::layer)
+    footprint_.find(touched_);
+  else
+    footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
+                    threshold_of_front());
 }
 
 /// Whether the guess has led the tip through a surface that it did not face. It faces it now.
@@ -145,34 +145,81 @@ bool Puncture::meet_on_the_way() {
   return true;
 }
 
-/// What the tip faces at the start of the step. Where it presses already, the answer is where the
-/// footprint is to stand under it, so that the gap goes on where it was: at the same point of the
-/// tissue, or where the tip slid to, at the same height. Sought anew, the tip of a tent would be
-/// found now before, now behind one of its few facets, and the tent be let go.
-std::optional<Vec3> Puncture::find_front() {
-  const Front before = front_;
-  const SurfacePoint pressed = touched_;
+/// What the tip faces at the start of the step.
+void Puncture::find_front() {
+  if (presses_ && keeps_place()) return;
+  search_front();
+  if (front_ != Front::none && front_ != Front::overrun) lay_footprint();
+}
+
+void Puncture::search_front() {
   front_ = Front::none;
-  beside_ = false;
   if (!path_->channel().tip_inside()) {
     front_ = find_entry();
   } else if (path_->channel().tip_at_end()) {
     front_ = find_exit();
     if (front_ == Front::none) front_ = find_layer();
   }
-  if (!presses_ || beside_) return std::nullopt;
-  const Vec3 was = footprint_.position(path_->tissue(), Configuration::start);
-  const Real slid = (path_->thread().point(0, Configuration::start) - was).norm();
-  const Vec3 on = touched_.position - was;
-  if (front_ == before && on.norm() < as_far * slid)
-    return touched_.position - touched_.normal.dot(on) * touched_.normal;
+}
+
+/// A tip that presses keeps its place in the tissue, and where it slides, the place slides along
+/// with it. Sought anew, the tip of a tent would be found now before, now behind one of its few
+/// facets, and the tent be let go. False where the tip stands clear of it.
+bool Puncture::keeps_place() {
+  const SolidBody& tissue = path_->tissue();
+  constexpr Configuration start = Configuration::start;
+  const Vec3 tip = path_->thread().point(0, start);
+  const Vec3 n = footprint_.normal(tissue, start);
+  const Vec3 way = tip - footprint_.position(tissue, start);
+  const Real side = place_ == Front::exit ? -1 : 1;
+  if (lifted_ && is_clear(side * way.dot(n))) return false;
+  front_ = place_;
+  const Vec3 slip = way - way.dot(n) * n;
+  const Vec3 from = tissue.position(touched_.at, start);
+  if (front_ == Front::entry && is_past_edge(tip, n, (tip - from).norm())) {
+    front_ = Front::none;
+    return true;
+  }
+  if (slip.norm() > still_outside * reach_) {
+    const auto to = tissue.closest_surface(from + slip, as_far * slip.norm(), start, n);
+    if (to) touched_ = *to;
+    lay_footprint();
+    touched_.position = tip - way.dot(n) * n;
+    touched_.normal *= side;
+    footprint_.put_under(touched_.position, tissue);
+  }
+  return true;
+}
+
+/// Whether a tip without force is free of its place: it stands before the surface that a search
+/// finds, and that is not much further than the place. `above`: the place.
+bool Puncture::is_clear(Real above) {
+  if (!(above > 0)) return false;
+  const Front before = front_;
+  const SurfacePoint pressed = touched_;
+  search_front();
+  const Real distance = front_ == Front::exit ? -touched_.distance : touched_.distance;
+  bool clear = front_ == place_ && distance > 0 && distance < as_far * above;
+  if (front_ == Front::none || front_ == Front::layer) {
+    const Vec3 tip = path_->thread().point(0, Configuration::start);
+    const bool in = path_->tissue().locate(tip, Configuration::start).has_value();
+    clear = in == path_->channel().tip_inside();
+  }
   front_ = before;
-  touched_.at = pressed.at;
-  touched_.triangle = pressed.triangle;
-  touched_.position = path_->tissue().position(pressed.at, Configuration::start);
-  touched_.normal = path_->tissue().surface_normal(pressed.triangle, Configuration::start);
-  if (front_ == Front::exit) touched_.normal *= -1;
-  return was;
+  touched_ = pressed;
+  return clear;
+}
+
+/// The law knows a plane, which goes on beside the surface. `apart`: tip and surface under it.
+bool Puncture::is_past_edge(const Vec3& tip, const Vec3& normal, Real apart) const {
+  const SolidBody& tissue = path_->tissue();
+  constexpr Configuration start = Configuration::start;
+  const Vec3 far = (reach_ + apart) * normal;
+  if (tissue.crossing(tip + far, tip - far, start, normal)) return false;
+  const auto foot = tissue.closest_surface(tip, reach_ + apart, start, normal);
+  if (!foot) return true;
+  const Vec3 r = tip - foot->position;
+  return (r - normal.dot(r) * normal).norm() > path_->thread().radius(0);
 }
 
 Real Puncture::threshold_of_front() const {
@@ -215,15 +262,14 @@ Puncture::Front Puncture::find_entry() {
     return Front::overrun;
   }
   if (!hit || is_beyond(*hit)) return Front::none;
-  beside_ = is_beside(*hit, reach_ + dent);
-  if (beside_) return Front::none;
+  if (is_beside(reach_ + dent)) return Front::none;
   touched_ = *hit;
   return Front::entry;
 }
 
 /// Behind a surface that it has not pressed in, and not inside: on the far side of something thin.
 bool Puncture::is_beyond(const SurfacePoint& hit) const {
-  if (presses_ || hit.distance > -still_outside * reach_) return false;
+  if (hit.distance > -still_outside * reach_) return false;
   const Vec3 tip = path_->thread().point(0, Configuration::start);
   return !path_->tissue().locate(tip, Configuration::start);
 }
@@ -231,18 +277,17 @@ bool Puncture::is_beyond(const SurfacePoint& hit) const {
 /// The law knows a plane, which goes on beside the surface. Whether the tip goes past the edge of
 /// the surface, as it stands and as its first guess says: neither stands over it, nor is the
 /// surface on its way or where the needle points, up to `reach`.
-bool Puncture::is_beside(const SurfacePoint& hit, Real reach) const {
+bool Puncture::is_beside(Real reach) const {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::start);
-  const Vec3 to = presses_ ? tip : thread.point(0, Configuration::current);
+  const Vec3 to = thread.point(0, Configuration::current);
   const Vec3 back = thread.tangent(0, Configuration::start);
   const auto is_over = [&](const SurfacePoint& s) {
     const Vec3 r = to - s.position;
     const Vec3 n = tissue.surface_normal(s.triangle, Configuration::start);
     return n.dot(back) > along && (r - n.dot(r) * n).norm() < thread.radius(0);
   };
-  if (presses_ && is_over(hit)) return false;
   const auto meets = [&](const Vec3& from, const Vec3& end) {
     return tissue.crossing(from, end, Configuration::start, back).has_value();
   };
@@ -257,10 +302,7 @@ Puncture::Front Puncture::find_exit() {
   const Vec3 tip = thread.point(0, Configuration::start);
   const Vec3 forward = -thread.tangent(0, Configuration::start);
   const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
-  // A tip that tents the surface holds back all points of its footprint on average. It may stand
-  // before or behind a single facet.
-  if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start, forward);
+  const auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
   if (!hit) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;
@@ -340,11 +382,11 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
-  presses_ = false;
   if (front_ == Front::overrun) {
     ++overruns_;
     begin_bite();
   }
+  if (!block_.valid()) presses_ = false;
   if (block_.valid()) commit_front(solved);
   const bool let_out =
       front_ == Front::exit && block_.valid() && solved.mode(block_) == PunctureLaw::penetrated;
@@ -362,9 +404,12 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     force_ = touched_.normal.dot(solved.force(block_));
     peak_force_ = std::max(peak_force_, force_);
-    presses_ = force_ > 0 && front_ != Front::layer;
+    lifted_ = !(force_ > 0);
+    presses_ = (presses_ || !lifted_) && front_ != Front::layer;
+    place_ = front_;
     return;
   }
+  presses_ = false;
   force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
   // At the end of this step the force is that of the pierced state. The largest one was the
   // threshold, at which the puncture fired.
