@@ -149,7 +149,12 @@ bool Puncture::meet_on_the_way() {
 void Puncture::find_front() {
   if (presses_ && keeps_place()) return;
   search_front();
-  if (front_ != Front::none && front_ != Front::overrun) lay_footprint();
+  if (front_ == Front::none || front_ == Front::overrun) return;
+  lay_footprint();
+  if (front_ == Front::layer) return;
+  const Vec3 back = path_->thread().tangent(0, Configuration::start);
+  const Vec3 out = footprint_.normal(path_->tissue(), Configuration::start);
+  if (out.dot(front_ == Front::exit ? Vec3(-back) : back) < along) front_ = Front::none;
 }
 
 void Puncture::search_front() {
@@ -302,7 +307,10 @@ Puncture::Front Puncture::find_exit() {
   const Vec3 tip = thread.point(0, Configuration::start);
   const Vec3 forward = -thread.tangent(0, Configuration::start);
   const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  const auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
+  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
+  // In the step in which it got in, the tip may have gone on through a thin sheet.
+  if (!hit && !tissue.locate(tip, Configuration::start))
+    hit = tissue.closest_surface(tip, reach_, Configuration::start, forward);
   if (!hit) return Front::none;
   touched_ = *hit;
   touched_.normal = -hit->normal;
