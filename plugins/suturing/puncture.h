@@ -34,9 +34,10 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   void search_front();
   void lay_footprint();
   bool keeps_place();
-  bool is_clear(Real above);
-  bool is_past_edge(const Vec3& tip, const Vec3& normal, Real apart) const;
+  bool is_free(Real above);
+  bool is_past_edge(const Vec3& normal, Real apart) const;
   Front find_entry();
+  bool is_inside() const;
   bool meet_on_the_way();
   bool is_beyond(const SurfacePoint& hit) const;
   bool is_beside(Real reach) const;
@@ -63,8 +64,8 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   bool presses_ = false;       ///< it has a place where it presses, on entry or exit
   Front place_ = Front::none;  ///< which of the two
   bool lifted_ = false;        ///< but it bore no force in the last step
-  SurfacePoint touched_;  ///< normal: out of what the tip would go into
-  int region_ = 0;        ///< of the layer the tip has got into
+  SurfacePoint touched_;       ///< normal: out of what the tip would go into
+  int region_ = 0;             ///< of the layer the tip has got into
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far
