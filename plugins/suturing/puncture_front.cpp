@@ -77,13 +77,15 @@ bool Puncture::is_free(Real above) {
   const Front before = front_;
   const SurfacePoint pressed = touched_;
   search_front();
+  const Vec3 tip = path_->thread().point(0, start);
   const Real distance = (place_ == Front::exit ? -1 : 1) * touched_.distance;
-  bool free = front_ == Front::overrun;
-  if (front_ == place_) free = distance > 0 && distance < as_far * above;
-  if (front_ == Front::none || front_ == Front::layer) {
-    const Vec3 tip = path_->thread().point(0, start);
+  bool free = false;
+  if (front_ == place_)
+    free = distance > 0 && distance < as_far * above;
+  else if (front_ == Front::overrun)
+    free = !path_->tissue().closest_surface(tip, reach_, start);
+  else
     free = path_->tissue().locate(tip, start).has_value() == path_->channel().tip_inside();
-  }
   front_ = before;
   touched_ = pressed;
   return free;
