@@ -116,7 +116,8 @@ class Channel {
   std::vector<PathSample> samples_;
   std::size_t passed_ = 0;
   Real end_depth_ = 0;
-  Real lead_ = 0;  ///< of the mouth of the open bite before the tip (m)
+  Real ahead_ = 0;  ///< the mouth of the open bite, of the tip (m)
+  Real lead_ = 0;   ///< how far it may be ahead: as far as it was when it was pierced (m)
   bool got_out_ = false;
   EmbeddedPoint end_;
   std::uint64_t next_id_ = 0;
