@@ -31,7 +31,7 @@ bool Channel::tip_inside() const {
 }
 
 Real Channel::tip_depth() const {
-  return tip_inside() ? samples_[passed_ - 1].depth + samples_[passed_ - 1].abscissa : 0;
+  return tip_inside() ? samples_[passed_ - 1].depth + samples_[passed_ - 1].abscissa - ahead_ : 0;
 }
 
 bool Channel::tip_at_end() const {
@@ -82,6 +82,7 @@ void Channel::push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSampl
                       .slip = slip,
                       .kind = kind});
   passed_ = samples_.size();
+  ahead_ = lead_ = 0;
 }
 
 EmbeddedPoint Channel::embed(const Vec3& point) const {
@@ -115,6 +116,7 @@ void Channel::enter(const EmbeddedPoint& pressed) {
   push(mouth, 0, s, PathSample::Kind::entry);
   end_ = mouth;
   end_depth_ = 0;
+  ahead_ = lead_ = std::max(advance_direction().dot(at - tip()), Real(0));
   record();
 }
 
@@ -174,14 +176,17 @@ void Channel::find_abscissae() {
   passed_ -= gone;
 }
 
+/// A tip that has just pierced stands before its mouth, by what the mesh is dented more under it
+/// than its footprint on average. The mouth holds it all the same, until it goes further back.
 void Channel::retract() {
   const Vec3 tip_position = tip();
   const Vec3 forward = advance_direction();
-  while (passed_ > 0) {
+  for (; passed_ > 0; --passed_) {
     const PathSample& last = samples_[passed_ - 1];
     const Vec3 at = tissue_.position(last.at, Configuration::current);
-    if (last.abscissa > 0 || forward.dot(tip_position - at) >= 0) break;
-    --passed_;
+    ahead_ = last.abscissa > 0 ? 0 : std::max(forward.dot(at - tip_position), Real(0));
+    if (ahead_ <= lead_) return;
+    ahead_ = lead_ = 0;
   }
 }
 
@@ -298,6 +303,8 @@ void Channel::archive(Archive& a) {
   a("passed", passed_);
   a("end_depth", end_depth_);
   a("end", end_);
+  a("ahead", ahead_);
+  a("lead", lead_);
   a("next_id", next_id_);
   if (passed_ > samples_.size()) a.fail("more samples are on the thread than there are");
 }

@@ -41,7 +41,8 @@ class Channel {
   bool tip_inside() const;
   /// The tip is at the end of what has been cut, as opposed to retracted.
   bool tip_at_end() const;
-  /// Length of channel between the mouth and the tip, of the open bite (m); 0 outside.
+  /// Length of channel between the mouth and the tip, of the open bite (m); 0 outside. Negative
+  /// while a tip that has just pierced stands before its mouth.
   Real tip_depth() const;
   /// Depth of the end of the recorded channel (m), its place in the tissue, its slip in the last
   /// step.
@@ -115,6 +116,8 @@ class Channel {
   std::vector<PathSample> samples_;
   std::size_t passed_ = 0;
   Real end_depth_ = 0;
+  Real ahead_ = 0;  ///< the mouth of the open bite, of the tip (m)
+  Real lead_ = 0;   ///< how far it may be ahead: as far as it was when it was pierced (m)
   bool got_out_ = false;
   EmbeddedPoint end_;
   std::uint64_t next_id_ = 0;

@@ -9,7 +9,7 @@
 namespace sutura::suturing {
 namespace {
 
-constexpr int most_points = 16;
+constexpr int most_points = 32;
 constexpr Real bearable = 0.3;  // mean pressure on the disc, in units of E
 constexpr Real widest = 10;     // disc, in units of the radius of the shaft
 constexpr Real deepest = 3;     // dent of the near field, of the disc: linear theory says no more

@@ -11,13 +11,6 @@ namespace {
 // In units of `reach`.
 constexpr Real still_outside = 1e-3;  // a tip that begins no deeper than this lies on the surface
 constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
-constexpr Real behind = 0.1;          // from where, behind the tip, the front of a layer is sought
-constexpr Real found = 1e-6;          // and to which accuracy
-// A surface that is no further from where the tip pressed than so many times the way that the tip
-// slid is where it slid to; one that is further is another.
-constexpr Real as_far = 2;
-
-constexpr Real along = 1e-3;  // sine of the angle at which a needle runs along a wall, not at it
 
 }  // namespace
 
@@ -94,6 +87,8 @@ void Puncture::archive(Archive& a) {
   a("region", region_);
   a("threshold_here", threshold_here_);
   a("presses", presses_);
+  a("place", place_);
+  a("lifted", lifted_);
   a("touched", touched_.at);
   a("touched_triangle", touched_.triangle);
   footprint_.archive(a);
@@ -106,73 +101,24 @@ void Puncture::archive(Archive& a) {
 /// What the tip faces is found where the step begins and kept; passes only follow it. A guess that
 /// goes further than the first one may meet what that did not.
 void Puncture::detect(const StepContext& context) {
-  std::optional<Vec3> pressed_at;
   if (context.pass == 0) {
     const bool inside = path_->channel().tip_inside();
-    pressed_at = find_front();
+    find_front();
     const Vec3 tip = path_->thread().point(0, Configuration::start);
     const Real to_go = touched_.normal.dot(tip - touched_.position);
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
-  const bool is_met = front_ == Front::none && context.pass > 0 && meet_on_the_way();
-  if (front_ == Front::none || front_ == Front::overrun) return;
-  if (context.pass == 0 || is_met) {
-    if (front_ == Front::layer)
-      footprint_.find(touched_);
-    else
-      footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
-                      threshold_of_front());
-    if (pressed_at) footprint_.put_under(*pressed_at, path_->tissue());
-  }
-  follow_front();
+  if (front_ == Front::none && context.pass > 0 && meet_on_the_way()) lay_footprint();
+  if (front_ != Front::none && front_ != Front::overrun) follow_front();
 }
 
-/// Whether the guess has led the tip through a surface that it did not face. It faces it now.
-bool Puncture::meet_on_the_way() {
-  const bool inside = path_->channel().tip_inside();
-  if (inside && !path_->channel().tip_at_end()) return false;
-  const Vec3 tip = path_->thread().point(0, Configuration::start);
-  const Vec3 to = path_->thread().point(0, Configuration::current);
-  const Vec3 back = path_->thread().tangent(0, Configuration::start);
-  const auto hit =
-      path_->tissue().crossing(tip, to, Configuration::start, inside ? Vec3(-back) : back);
-  if (!hit || std::abs(hit->normal.dot(back)) < along) return false;
-  if (!inside && path_->channel().mouth_near(hit->position)) return false;
-  touched_ = *hit;
-  if (inside) touched_.normal *= -1;
-  front_ = inside ? Front::exit : Front::entry;
-  return true;
-}
-
-/// What the tip faces at the start of the step. Where it presses already, the answer is where the
-/// footprint is to stand under it, so that the gap goes on where it was: at the same point of the
-/// tissue, or where the tip slid to, at the same height. Sought anew, the tip of a tent would be
-/// found now before, now behind one of its few facets, and the tent be let go.
-std::optional<Vec3> Puncture::find_front() {
-  const Front before = front_;
-  const SurfacePoint pressed = touched_;
-  front_ = Front::none;
-  beside_ = false;
-  if (!path_->channel().tip_inside()) {
-    front_ = find_entry();
-  } else if (path_->channel().tip_at_end()) {
-    front_ = find_exit();
-    if (front_ == Front::none) front_ = find_layer();
-  }
-  if (!presses_ || beside_) return std::nullopt;
-  const Vec3 was = footprint_.position(path_->tissue(), Configuration::start);
-  const Real slid = (path_->thread().point(0, Configuration::start) - was).norm();
-  const Vec3 on = touched_.position - was;
-  if (front_ == before && on.norm() < as_far * slid)
-    return touched_.position - touched_.normal.dot(on) * touched_.normal;
-  front_ = before;
-  touched_.at = pressed.at;
-  touched_.triangle = pressed.triangle;
-  touched_.position = path_->tissue().position(pressed.at, Configuration::start);
-  touched_.normal = path_->tissue().surface_normal(pressed.triangle, Configuration::start);
-  if (front_ == Front::exit) touched_.normal *= -1;
-  return was;
+void Puncture::lay_footprint() {
+  if (front_ == Front::layer)
+    footprint_.find(touched_);
+  else
+    footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
+                    threshold_of_front());
 }
 
 Real Puncture::threshold_of_front() const {
@@ -189,120 +135,6 @@ void Puncture::follow_front() {
   else
     touched_.normal =
         footprint_.normal(tissue, Configuration::current) * (front_ == Front::exit ? -1 : 1);
-}
-
-Puncture::Front Puncture::find_entry() {
-  const CurveBody& thread = path_->thread();
-  const Vec3 tip = thread.point(0, Configuration::start);
-  const Real motion = (thread.point(0, Configuration::current) - tip).norm();
-  // A tip that presses stands below the surface of the mesh by the dent of its near field.
-  const Real dent = footprint_.compliance() * threshold_here_;
-  // Only what the needle points at: not the surface it has just left, on the other side of which
-  // the next may lie at once (a slit, two lips of a wound).
-  const Vec3 back = thread.tangent(0, Configuration::start);
-  const auto hit =
-      path_->tissue().closest_surface(tip, motion + reach_ + dent, Configuration::start, back);
-  if (path_->channel().mouth_near(tip)) return Front::none;
-  const bool deep = !hit || hit->distance < -reach_ - dent;
-  if (deep && path_->tissue().locate(tip, Configuration::start)) {
-    // An indentation deeper than the elements can follow turns them inside out, and the tip is in
-    // without a puncture.
-    const auto way_in =
-        path_->tissue().closest_surface(tip, thread.length(), Configuration::start, back);
-    touched_ = way_in
-                   ? *way_in
-                   : *path_->tissue().closest_surface(tip, thread.length(), Configuration::start);
-    return Front::overrun;
-  }
-  if (!hit || is_beyond(*hit)) return Front::none;
-  beside_ = is_beside(*hit, reach_ + dent);
-  if (beside_) return Front::none;
-  touched_ = *hit;
-  return Front::entry;
-}
-
-/// Behind a surface that it has not pressed in, and not inside: on the far side of something thin.
-bool Puncture::is_beyond(const SurfacePoint& hit) const {
-  if (presses_ || hit.distance > -still_outside * reach_) return false;
-  const Vec3 tip = path_->thread().point(0, Configuration::start);
-  return !path_->tissue().locate(tip, Configuration::start);
-}
-
-/// The law knows a plane, which goes on beside the surface. Whether the tip goes past the edge of
-/// the surface, as it stands and as its first guess says: neither stands over it, nor is the
-/// surface on its way or where the needle points, up to `reach`.
-bool Puncture::is_beside(const SurfacePoint& hit, Real reach) const {
-  const CurveBody& thread = path_->thread();
-  const SolidBody& tissue = path_->tissue();
-  const Vec3 tip = thread.point(0, Configuration::start);
-  const Vec3 to = presses_ ? tip : thread.point(0, Configuration::current);
-  const Vec3 back = thread.tangent(0, Configuration::start);
-  const auto is_over = [&](const SurfacePoint& s) {
-    const Vec3 r = to - s.position;
-    const Vec3 n = tissue.surface_normal(s.triangle, Configuration::start);
-    return n.dot(back) > along && (r - n.dot(r) * n).norm() < thread.radius(0);
-  };
-  if (presses_ && is_over(hit)) return false;
-  const auto meets = [&](const Vec3& from, const Vec3& end) {
-    return tissue.crossing(from, end, Configuration::start, back).has_value();
-  };
-  if (meets(tip, to) || meets(to + reach * back, to - reach * back)) return false;
-  const auto foot = tissue.closest_surface(to, reach, Configuration::start, back);
-  return !foot || !is_over(*foot);
-}
-
-Puncture::Front Puncture::find_exit() {
-  const CurveBody& thread = path_->thread();
-  const SolidBody& tissue = path_->tissue();
-  const Vec3 tip = thread.point(0, Configuration::start);
-  const Vec3 forward = -thread.tangent(0, Configuration::start);
-  const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  auto hit = tissue.crossing(tip, tip + reach * forward, Configuration::start, forward);
-  // A tip that tents the surface holds back all points of its footprint on average. It may stand
-  // before or behind a single facet.
-  if (!hit) hit = tissue.closest_surface(tip, reach_, Configuration::start, forward);
-  if (!hit) return Front::none;
-  touched_ = *hit;
-  touched_.normal = -hit->normal;
-  return Front::exit;
-}
-
-/// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the
-/// front is where the region changes along the needle, and its normal is the needle's axis.
-Puncture::Front Puncture::find_layer() {
-  const CurveBody& thread = path_->thread();
-  const SolidBody& tissue = path_->tissue();
-  const Vec3 tip = thread.point(0, Configuration::start);
-  const Vec3 forward = -thread.tangent(0, Configuration::start);
-  const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  const auto beyond = tissue.locate(tip + reach * forward, Configuration::start);
-  if (!beyond) return Front::none;
-  const int next = tissue.region(*beyond);
-  if (next == region_) return Front::none;
-  if (!has_threshold(next)) {
-    const auto here = tissue.locate(tip, Configuration::start);
-    if (here) region_ = tissue.region(*here);
-    return Front::none;
-  }
-  Real low = -behind * reach_;
-  Real high = reach;
-  EmbeddedPoint at = *beyond;
-  while (high - low > found * reach_) {
-    const Real middle = 0.5 * (low + high);
-    const auto p = tissue.locate(tip + middle * forward, Configuration::start);
-    if (p && tissue.region(*p) == next) {
-      high = middle;
-      at = *p;
-    } else {
-      low = middle;
-    }
-  }
-  touched_ = {.at = at,
-              .triangle = -1,
-              .position = tissue.position(at, Configuration::start),
-              .normal = -forward,
-              .distance = high};
-  return Front::layer;
 }
 
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
@@ -340,11 +172,11 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
-  presses_ = false;
   if (front_ == Front::overrun) {
     ++overruns_;
     begin_bite();
   }
+  if (!block_.valid()) presses_ = false;
   if (block_.valid()) commit_front(solved);
   const bool let_out =
       front_ == Front::exit && block_.valid() && solved.mode(block_) == PunctureLaw::penetrated;
@@ -362,9 +194,12 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
   if (solved.mode(block_) != PunctureLaw::penetrated) {
     force_ = touched_.normal.dot(solved.force(block_));
     peak_force_ = std::max(peak_force_, force_);
-    presses_ = force_ > 0 && front_ != Front::layer;
+    lifted_ = !(force_ > 0);
+    presses_ = (presses_ || !lifted_) && front_ != Front::layer;
+    place_ = front_;
     return;
   }
+  presses_ = false;
   force_ = path_->thread().tangent(0, Configuration::current).dot(solved.force(block_));
   // At the end of this step the force is that of the pierced state. The largest one was the
   // threshold, at which the puncture fired.

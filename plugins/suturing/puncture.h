@@ -30,11 +30,17 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface
   /// from inside; or nothing, because it got in without a puncture.
   enum class Front { none, entry, layer, exit, overrun };
-  std::optional<Vec3> find_front();
+  void find_front();
+  void search_front();
+  void lay_footprint();
+  bool keeps_place();
+  bool is_free(Real above);
+  bool is_past_edge(const Vec3& normal, Real apart) const;
   Front find_entry();
+  bool is_inside() const;
   bool meet_on_the_way();
   bool is_beyond(const SurfacePoint& hit) const;
-  bool is_beside(const SurfacePoint& hit, Real reach) const;
+  bool is_beside(Real reach) const;
   Front find_exit();
   Front find_layer();
   void commit_front(const SolvedBlocks& solved);
@@ -54,11 +60,12 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
 
   Front front_ = Front::none;
   bool blocked_ = false;  ///< the front holds the tip from the inside
-  bool beside_ = false;   ///< the tip goes past the edge of what it would press on
   Footprint footprint_;
-  bool presses_ = false;  ///< on entry or exit, at the end of the last step
-  SurfacePoint touched_;  ///< normal: out of what the tip would go into
-  int region_ = 0;        ///< of the layer the tip has got into
+  bool presses_ = false;       ///< it has a place where it presses, on entry or exit
+  Front place_ = Front::none;  ///< which of the two
+  bool lifted_ = false;        ///< but it bore no force in the last step
+  SurfacePoint touched_;       ///< normal: out of what the tip would go into
+  int region_ = 0;             ///< of the layer the tip has got into
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far

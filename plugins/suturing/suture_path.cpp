@@ -55,7 +55,9 @@ void SuturePath::describe(Describe<SuturePath>& d) {
   d.output("samples", "1", "Samples on the thread.",
            [](const SuturePath& p) { return p.channel_ ? Real(p.channel_->passed()) : Real(0); });
   d.output("tip_depth", "m", "Depth of the tip along the channel; 0 outside.",
-           [](const SuturePath& p) { return p.channel_ ? p.channel_->tip_depth() : Real(0); });
+           [](const SuturePath& p) {
+             return p.channel_ ? std::max(p.channel_->tip_depth(), Real(0)) : Real(0);
+           });
   d.output("state", "", "Where the tip is: outside, cutting (at the end of the channel) or inside.",
            [](const SuturePath& p) -> std::string {
              if (!p.channel_ || !p.channel_->tip_inside()) return "outside";

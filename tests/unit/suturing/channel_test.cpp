@@ -87,6 +87,35 @@ TEST_F(ChannelTest, OutAndInAgainThroughTheSameMouthNeedsNoPuncture) {
   EXPECT_FALSE(channel.tip_at_end());
 }
 
+/// A tip on a dented mesh stands before the surface that it has pierced.
+TEST_F(ChannelTest, ATipThatHasPiercedIsHeldFromWhereItStood) {
+  needle.now_ = -0.1 * mm;
+  channel.enter(top());
+  for (const Real depth : {-0.1, -0.02, -0.1}) {
+    move_to(depth * mm);
+    EXPECT_TRUE(channel.tip_inside()) << depth;
+    EXPECT_NEAR(channel.tip_depth(), depth * mm, 1e-15);
+    EXPECT_FALSE(channel.tip_at_end()) << "it has not come to the mouth yet";
+    EXPECT_EQ(channel.inserted_length(), 0);
+  }
+  move_to(0.3 * mm);
+  EXPECT_NEAR(channel.tip_depth(), 0.3 * mm, 1e-15);
+  EXPECT_TRUE(channel.tip_at_end());
+  move_to(-0.09 * mm);
+  EXPECT_TRUE(channel.tip_inside());
+  move_to(-0.11 * mm);
+  EXPECT_FALSE(channel.tip_inside()) << "further back than it was";
+}
+
+TEST_F(ChannelTest, OnceThereIsAChannelBehindItTheTipIsOutBeforeTheMouth) {
+  needle.now_ = -0.1 * mm;
+  channel.enter(top());
+  move_to(1.2 * mm);
+  ASSERT_EQ(channel.passed(), 2u);
+  move_to(-0.01 * mm);
+  EXPECT_FALSE(channel.tip_inside());
+}
+
 TEST_F(ChannelTest, ElsewhereTheOldMouthDoesNotHelpAndANewBiteForgetsIt) {
   needle.now_ = 0.1 * mm;
   channel.enter(top());

@@ -61,14 +61,15 @@ struct Oblique {
 
 class ObliqueEntry : public ::testing::TestWithParam<Oblique> {
  protected:
-  void compile() {
+  /// To `far`, and back.
+  void compile(Real far = 5e-3) {
     const auto [angle, mu] = GetParam();
-    const Real far = 5e-3, dt = 2e-3;
+    const Real dt = 2e-3;
     std::ostringstream xml;
     xml << std::setprecision(17) << "<sutura version='1' gravity='0 0 0' dt='" << dt
-        << "'><ObliqueNeedle angle='" << angle << "' times='0 " << far / step_length * dt
-        << "' travel='0 " << far << "'/><SpringSlab stiffness='" << K
-        << "'/><SuturePath spacing='0.5 mm' wall_compliance='1e-9'/><Cutting threshold='" << fc
+        << "'><ObliqueNeedle angle='" << angle << "' times='0 " << far / step_length * dt << ' '
+        << 2 * far / step_length * dt << "' travel='0 " << far << " 0'/><SpringSlab stiffness='"
+        << K << "'/><SuturePath spacing='0.5 mm' wall_compliance='1e-9'/><Cutting threshold='" << fc
         << "'/><PathFriction coefficient='0'/><Puncture threshold='" << fp << "' friction='" << mu
         << "'/><GaussSeidel tolerance='1e-9'/></sutura>";
     enrol_slab_world(registry);
@@ -154,6 +155,30 @@ TEST_P(ObliqueEntry, PressesAlongTheNormalAndEntersAlongItsAxis) {
     EXPECT_NEAR(spring.y(), 0, 1e-9);
   }
   EXPECT_TRUE(open);
+}
+
+/// Turned back before the surface gives way, the tip sticks until the spring has swung from one
+/// limit of friction to the other, and slides back: -mu K s sin(theta) <= f <= mu K s sin(theta),
+/// with f as far from its value at the turn as the tip has gone along the surface, if that is
+/// within.
+TEST_P(ObliqueEntry, FrictionTurnsWithTheTip) {
+  const auto [angle, mu] = GetParam();
+  const Real sine = std::sin(angle), cosine = std::cos(angle);
+  const Real turn = 20 * step_length;
+  ASSERT_LT(turn, fp / (K * sine));
+  compile(turn);
+  const auto& needle = dynamic_cast<const ObliqueNeedle&>(*simulation->find("/oblique_needle"));
+  const Real at_turn = K * turn * std::min(cosine, mu * sine);
+  for (Index i = 0; i < 39; ++i) {
+    ASSERT_TRUE(simulation->step().solved) << i;
+    const Real s = needle.now_, limit = mu * K * s * sine;
+    const Real stuck = i < 20 ? K * s * cosine : at_turn - K * (turn - s) * cosine;
+    const ConstraintBlock* block = puncture_block();
+    ASSERT_TRUE(block);
+    const Vec3 force = simulation->problem().block_force(*block);  // on the tip
+    EXPECT_NEAR(force.z(), K * s * sine, 1e-3 * fp) << i;
+    EXPECT_NEAR(-force.x(), std::clamp(stuck, -limit, limit), 1e-3 * fp) << i;
+  }
 }
 
 // Sticking needs mu >= cot(theta): 1.73, 1 and 0.58.
