@@ -58,13 +58,6 @@ void ConstraintForce::hold(const Rod& rod) {
   }
 }
 
-void ConstraintForce::turn(const Rod& rod) {
-  for (Index i = 0; i < rod.nodes(); ++i) {
-    const Vec3 t = tangent(rod.poses()[i]);
-    at.segment<3>(6 * i + 3) = t.cross(lever[i]) + axial_moment[i] * t;
-  }
-}
-
 Real ConstraintForce::work(const Rod& rod, Index node, const Dofs& motion) const {
   const Vec3 from = tangent(rod.poses(Configuration::start)[node]);
   return at.segment<3>(6 * node).dot(motion.segment<3>(6 * node)) +

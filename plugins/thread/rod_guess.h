@@ -48,13 +48,10 @@ struct ConstraintForce {
   void resize(Index nodes);
   void reserve(Index nodes);
   bool pushes(Index node) const { return !at.segment<3>(6 * node).isZero(0); }
-  bool pushes() const { return !at.isZero(0); }
   /// Force times its distance from the node, as far as its moment tells: across the tangent (N m).
   Vec3 lever_at(Index node, const Pose& section) const;
   /// Lever and axial moment of every node from `at`, at the present poses.
   void hold(const Rod& rod);
-  /// `at` as it is at other poses than those at which it was held.
-  void turn(const Rod& rod);
   /// Work on a node since the start of the step (J).
   Real work(const Rod& rod, Index node, const Dofs& motion) const;
 };

@@ -14,7 +14,6 @@ void RodStep::fit(const Rod& rod) {
   guess_.resize(n);
   way_.resize(n);
   matrix_.resize(rod.stretches().blocks());
-  own_matrix_.resize(rod.stretches().blocks());
   for (auto* v : {&change_, &answer_}) v->clear(6 * n);
   in_step_ = false;
 }
@@ -25,7 +24,6 @@ void RodStep::reserve(Index beams) {
   guess_.reserve(n);
   way_.reserve(n);
   matrix_.reserve(n);
-  own_matrix_.reserve(n);
   for (auto* v : {&change_, &answer_}) v->reserve(6 * n);
 }
 
@@ -72,23 +70,19 @@ bool RodStep::linearise(const Rod& rod, const Dofs& force) {
     if (!factor(matrix_)) return false;
   }
   change_ = guess_.missing + start_.dt * force;
-  answer(rod, matrix_, change_);
+  answer(rod, change_);
   return true;
 }
 
 void RodStep::answer(const Rod& rod, Eigen::Ref<MatX> columns) const {
-  answer(rod, matrix_, columns);
-}
-
-void RodStep::answer(const Rod& rod, const BlockTridiagonal& matrix, Eigen::Ref<MatX> columns) {
   const Stretches& stretches = rod.stretches();
   stretches.pack(rod.poses(), columns);
   for (const Index node : rod.clamped()) columns.middleRows<6>(6 * stretches.block(node)).setZero();
-  auto free = columns.topRows(6 * matrix.blocks());
+  auto free = columns.topRows(6 * matrix_.blocks());
   if (columns.cols() == 1)
-    matrix.solve(Eigen::Ref<VecX>(free.col(0)));
+    matrix_.solve(Eigen::Ref<VecX>(free.col(0)));
   else
-    matrix.solve(Eigen::Ref<MatX>(free));
+    matrix_.solve(Eigen::Ref<MatX>(free));
   stretches.unpack(rod.poses(), columns);
 }
 
@@ -98,30 +92,6 @@ void RodStep::correct(Rod& rod, const Dofs& force_change) {
   answer(rod, answer_);
   change_ += start_.dt * answer_;
   take_change(rod);
-  if (!part_way_ && guess_.force.pushes()) answer_alone(rod);
-}
-
-/// Nodes that are pushed have gone straight on, and the beams between them are stretched in second
-/// order: a nanometre there is a milli-newton, and a pass of the whole scene is a dear way to take
-/// it back. The rod does so itself, under the forces of constraints as they are and with pushed
-/// nodes on a footing: they may give way by far less than gaps are judged by.
-void RodStep::answer_alone(Rod& rod) {
-  guess_.force.turn(rod);
-  constexpr Real good = 1e-4;  // well within any tolerance
-  if (imbalance(rod, guess_.force.at).relative < good) return;
-  const auto assemble_own = [&](Tangent tangent) {
-    assemble(rod, start_, guess_, tangent, own_matrix_);
-    add_footing(rod, start_, guess_, own_matrix_);
-  };
-  assemble_own(Tangent::exact);
-  if (!own_matrix_.factor()) {
-    assemble_own(Tangent::convex);
-    if (!factor(own_matrix_)) return;
-  }
-  change_ = guess_.missing + start_.dt * guess_.force.at;
-  answer(rod, own_matrix_, change_);
-  take_change(rod);
-  part_way_ = false;  // the pass itself has gone all the way
 }
 
 void RodStep::take_change(Rod& rod) {

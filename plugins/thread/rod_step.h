@@ -38,7 +38,7 @@ class RodStep {
   /// Columns of forces (dofs x any) become A^-1 of them, with the A of the last pass.
   void answer(const Rod& rod, Eigen::Ref<MatX> columns) const;
   /// The guess moves by that change and the answer to a change of force; only part of the way where
-  /// that turns a beam too far. What is missing then within the rod, it answers alone.
+  /// that turns a beam too far.
   void correct(Rod& rod, const Dofs& force_change);
   bool went_part_way() const { return part_way_; }
   /// Of the guess under `force` of constraints.
@@ -64,9 +64,7 @@ class RodStep {
   const BlockTridiagonal& matrix() const { return matrix_; }
 
  private:
-  static void answer(const Rod& rod, const BlockTridiagonal& matrix, Eigen::Ref<MatX> columns);
   void take_change(Rod& rod);
-  void answer_alone(Rod& rod);
   bool buckles(const Rod& rod);
 
   /// Forces below this share of the largest in the rod are taken for rounding where nothing else is
@@ -77,7 +75,6 @@ class RodStep {
   RodGuess guess_;
   RodWay way_;
   BlockTridiagonal matrix_;
-  BlockTridiagonal own_matrix_;  ///< of what the rod answers alone
   DofVector change_, answer_;
   bool in_step_ = false;
   bool pushed_ = false;  ///< by constraints, in the last step

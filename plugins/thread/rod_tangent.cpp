@@ -74,15 +74,6 @@ Mat6 rigid_motion(const Rod& rod, Index node) {
   return T;
 }
 
-void add_spring(const Rod& rod, Index node, const HoldStiffness& stiffness, Real dt,
-                BlockTridiagonal& matrix) {
-  Vec6 own;
-  own << Vec3::Constant(dt * dt * stiffness.translation),
-      Vec3::Constant(dt * dt * stiffness.rotation);
-  const Mat6 T = rigid_motion(rod, node);
-  matrix.diagonal(rod.stretches().block(node)) += T.transpose() * own.asDiagonal() * T;
-}
-
 /// The blocks of a beam that ends at a follower.
 struct BeamBlocks {
   Mat6 a, b, up;
@@ -164,23 +155,16 @@ void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tang
     add_turning_moments(rod, guess, dt, matrix);
     add_turning_arms(rod, start, guess, matrix);
   }
-  for (const NodeSpring& spring : rod.springs())
-    if (spring.active) add_spring(rod, spring.node, spring.stiffness, dt, matrix);
+  for (const NodeSpring& spring : rod.springs()) {
+    if (!spring.active) continue;
+    Vec6 own;
+    own << Vec3::Constant(dt * dt * spring.stiffness.translation),
+        Vec3::Constant(dt * dt * spring.stiffness.rotation);
+    const Mat6 T = rigid_motion(rod, spring.node);
+    matrix.diagonal(rod.stretches().block(spring.node)) += T.transpose() * own.asDiagonal() * T;
+  }
   for (const Index node : rod.clamped())
     for (int d = 0; d < 6; ++d) matrix.fix(rod.stretches().block(node), d);
-}
-
-void add_footing(const Rod& rod, const RodStart& start, const RodGuess& guess,
-                 BlockTridiagonal& matrix) {
-  // Of EA / L. Ten times less or more take as many passes (docs/decisions.md).
-  constexpr Real shift = 1e-2, turn = 1e-1;
-  for (Index i = 0; i < rod.nodes(); ++i) {
-    if (!guess.force.pushes(i) || rod.is_clamped(i)) continue;
-    const Index beam = std::min(i, rod.beams() - 1);
-    const Real length = rod.element(beam).length;
-    const Real beside = rod.section(beam).axial_stiffness() / length;
-    add_spring(rod, i, {shift * beside, turn * beside * length * length}, start.dt, matrix);
-  }
 }
 
 // Rounding can cost a stiff, slender chain its positive definiteness (a free thread's inertia about

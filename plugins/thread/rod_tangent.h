@@ -18,12 +18,6 @@ enum class Tangent { exact, convex };
 void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,
               BlockTridiagonal& matrix);
 
-/// Where constraints push a node, a spring about the guess that resists its shift and its turn:
-/// softer than the beam beside it by far, and stiff enough that what a pass leaves within the rod
-/// moves it by nanometres.
-void add_footing(const Rod& rod, const RodStart& start, const RodGuess& guess,
-                 BlockTridiagonal& matrix);
-
 /// Factors what `assemble` made; false if that is not positive definite.
 bool factor(BlockTridiagonal& matrix);
 

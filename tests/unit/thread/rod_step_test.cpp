@@ -134,44 +134,6 @@ TEST(RodStep, ForcesMayComeInChanges) {
   EXPECT_LT(distance(at_once, in_parts), 2e-8);
 }
 
-// Neighbours are pushed to opposite sides by d. On straight ways the beams between them, of length
-// L, would be stretched by 2 d^2 / L^2: 0.2 % here, in a thread that nothing else pulls. They come
-// nearer to each other instead, by up to two shortenings of a beam, against footings of 0.01 EA /
-// L: that leaves 3 % of the stretch in the middle. The inertia of both tails leaves another 2 %.
-TEST(RodStep, NodesThatArePushedAsideStretchNothing) {
-  constexpr Real dt = 0.01, L = 0.1 / 40, d = 0.03 * L;
-  Rod rod;
-  rod.build(straight_layout(0.1, 40, nylon()));
-  RodStep step(rod);
-  step.begin(rod, dt, Vec3::Zero());
-  const VecX none = VecX::Zero(rod.dofs());
-  ASSERT_TRUE(step.linearise(rod, none));
-  // The forces under which they go there, as the constraint solver finds them: W f = d.
-  constexpr Index first = 18, pushed = 5;
-  MatX answers = MatX::Zero(rod.dofs(), pushed);
-  VecX way(pushed);
-  for (Index k = 0; k < pushed; ++k) {
-    answers(6 * (first + k) + 1, k) = 1;
-    way[k] = k % 2 == 0 ? d : -d;
-  }
-  step.answer(rod, answers);
-  MatX W(pushed, pushed);
-  for (Index k = 0; k < pushed; ++k) W.row(k) = dt * dt * answers.row(6 * (first + k) + 1);
-  const VecX push = W.ldlt().solve(way);
-  VecX force = none;
-  for (Index k = 0; k < pushed; ++k) force[6 * (first + k) + 1] = push[k];
-  step.correct(rod, force);
-
-  const Real faked = 2 * d * d / (L * L);
-  const auto& now = rod.poses(Configuration::current);
-  for (Index k = 0; k < pushed; ++k) {
-    // They stand where the pass has led them, but for what their footing gives way.
-    EXPECT_NEAR(now[first + k].position.y(), way[k], 0.05 * d);
-    if (k == 0) continue;
-    EXPECT_LT(std::abs(step.guess().beams[first + k - 1].strain), 0.06 * faked) << k;
-  }
-}
-
 TEST(RodStep, TheMissingMomentumIsTheSlopeOfThePotential) {
   constexpr Real dt = 0.005;
   Rod rod = thrown(0.1);
