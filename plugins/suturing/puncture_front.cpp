@@ -70,8 +70,8 @@ bool Puncture::keeps_place() {
 }
 
 /// Whether a tip that bears no force is free of its place, and not only shaken for a step: it
-/// stands before the surface that a search finds, which is not much further than the place.
-/// `above`: the place.
+/// stands before the surface that a search finds, which is not much further than its place.
+/// `above`: how far it stands before its place (m).
 bool Puncture::is_free(Real above) {
   if (!(above > 0)) return false;
   const Front before = front_;
@@ -91,8 +91,8 @@ bool Puncture::is_free(Real above) {
   return free;
 }
 
-/// The law knows a plane, which goes on beside the surface. `normal`: of it; `apart`: tip and
-/// surface.
+/// Whether the tip has slid past the edge of the surface: the law knows a plane, which goes on
+/// there. `normal`: of that plane; `apart`: how far the tip is from its place (m).
 bool Puncture::is_past_edge(const Vec3& normal, Real apart) const {
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = path_->thread().point(0, start), far = (reach_ + apart) * normal;
