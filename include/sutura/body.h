@@ -23,6 +23,7 @@ struct StepContext {
   Index step = 0;  ///< 0, 1, ...
   Index pass = 0;  ///< of this step: 0 at the first guess
   Vec3 gravity = Vec3::Zero();
+  Real tolerance = 1e-2;  ///< the largest relative imbalance that the end of the step may have
   Real end() const { return time + dt; }
 };
 

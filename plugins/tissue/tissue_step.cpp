@@ -143,15 +143,20 @@ Real TissueStep::rounding_of(Real dt) const {
   return 1e-7 * dt * at_work_;
 }
 
-/// A^-1 of a momentum that is missing, to a thousandth: a pass leaves more than that by being
-/// linear.
-void TissueStep::solve_what_matters(Real dt, VecX& momentum) {
+/// A^-1 of a momentum that is missing, as far as the step asks for it: to a tenth of what may be
+/// missing at its end. Where less than that is missing, to a tenth of it, so that what comes to rest
+/// does so down to rounding.
+void TissueStep::solve_what_matters(const StepContext& context, VecX& momentum) {
   model_.held.clear_fixed(momentum);
-  const Real size = momentum.norm(), rounding = rounding_of(dt);
-  if (size <= rounding)
+  const Real size = momentum.norm(), rounding = rounding_of(context.dt);
+  if (size <= rounding) {
     momentum.setZero();
-  else
-    solver_.solve(momentum, std::max(rounding, 1e-3 * size));  // also if it is not finite
+    return;
+  }
+  const Real may_lack = context.tolerance * context.dt * at_work_;
+  const Real enough = std::max(rounding, std::min(size, may_lack) / 10);
+  solver_.solve(momentum, enough);  // also if it is not finite
+  left_ += enough;
 }
 
 void TissueStep::linearise(const StepContext& context, const VecX& force) {
@@ -175,7 +180,8 @@ void TissueStep::linearise(const StepContext& context, const VecX& force) {
   change_ = missing_ + pushed_;
   model_.held.clear_fixed(change_);
   asked_ = change_.norm();
-  solve_what_matters(context.dt, change_);
+  left_ = 0;
+  solve_what_matters(context, change_);
 }
 
 void TissueStep::correct(const StepContext& context, const VecX& force_change) {
@@ -185,19 +191,19 @@ void TissueStep::correct(const StepContext& context, const VecX& force_change) {
     answer_ = h * force_change;
     pushed_ += answer_;
     asked_ += answer_.norm();
-    solve_what_matters(h, answer_);
+    solve_what_matters(context, answer_);
     v_ += answer_;
   }
   x_ = start_x_ + h * v_;
   evaluate_force();
   balance(context);
 
-  // A matrix that leaves more than a hundredth of what it was asked for is too old. A new one
-  // leaves as much where elements turn within the pass. What the rows leave, as they turn, is not
-  // its fault.
+  // A matrix that leaves more than a hundredth of what it was asked for, beside what the solver may
+  // leave, is too old. A new one leaves as much where elements turn within the pass. What the rows
+  // leave, as they turn, is not its fault.
   answer_ = missing_ + pushed_;
   const Real left = size_of_free(answer_);
-  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.01 * asked_);
+  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.01 * asked_ + left_);
 }
 
 /// Of a momentum, without what holds and supports take up (N s).

@@ -62,7 +62,7 @@ class TissueStep {
   void evaluate_force();
   void add_outer_forces();
   void balance(const StepContext& context);
-  void solve_what_matters(Real dt, VecX& momentum);
+  void solve_what_matters(const StepContext& context, VecX& momentum);
   Real size_of_free(const VecX& momentum) const;
   Real moved_since_linearised() const;
   Real rounding_of(Real dt) const;
@@ -88,6 +88,7 @@ class TissueStep {
   bool is_restored_ = false;      ///< A, whose rotations have to be found again
   VecX pushed_;                   ///< by constraints, in this pass (N s)
   Real asked_ = 0;                ///< of A by this pass (N s)
+  Real left_ = 0;                 ///< at most, of that by the solver (N s)
   bool outdated_ = false;         ///< A has not answered well since it was made
   Real assembled_for_ = 0;        ///< and the length of the step (s)
   Index linearisations_ = 0;      ///< in this step

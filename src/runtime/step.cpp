@@ -55,7 +55,8 @@ void Simulation::take_stretch(Real begin, Real length, Timer& timer) {
     const StepContext context{.dt = length / static_cast<Real>(division.parts()),
                               .time = begin + length * division.begin(),
                               .step = report_.step,
-                              .gravity = scene_->gravity};
+                              .gravity = scene_->gravity,
+                              .tolerance = scene_->limits.tolerance};
     const bool solved = balance(context, timer) && is_short_enough(context);
     if (!solved && division.halve()) continue;
     finest = std::max(finest, division.parts());
