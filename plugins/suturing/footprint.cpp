@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sutura/archive.h"
@@ -41,6 +42,7 @@ void Footprint::archive(Archive& a) {
   });
   a("offset", offset_);
   a("compliance", compliance_);
+  a("bears", bears_);
 }
 
 Footprint::Footprint() {
@@ -51,6 +53,7 @@ void Footprint::find(const SurfacePoint& surface) {
   points_.assign(1, surface);
   offset_.setZero();
   compliance_ = 0;
+  bears_ = std::numeric_limits<Real>::infinity();
 }
 
 void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real tip_radius,
@@ -61,6 +64,7 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real 
   constexpr Real pi = std::numbers::pi;
   const Real borne = std::sqrt(force / (bearable * pi * material.young));
   const Real disc = std::clamp(borne, shaft_radius, widest * shaft_radius);
+  bears_ = bearable * pi * disc * disc * material.young;
   if (tip_radius > 0) {
     const Real plane = (1 - material.poisson * material.poisson) / material.young;
     compliance_ = plane * std::max(1 / (2 * tip_radius) - 16 / (3 * pi * pi * disc), Real(0));

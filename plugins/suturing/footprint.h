@@ -33,6 +33,8 @@ class Footprint {
   void archive(Archive& archive);
 
   Real compliance() const { return compliance_; }  ///< c, m/N
+  /// The largest force of which it is known what it does (N).
+  Real bears() const { return bears_; }
   /// Where the point under the tip is now: carried along by the mean motion of the footprint.
   Vec3 position(const SolidBody& tissue, Configuration c) const;
   /// Mean outward unit normal.
@@ -45,6 +47,7 @@ class Footprint {
   std::vector<SurfacePoint> points_;  ///< of equal weight
   Vec3 offset_ = Vec3::Zero();        ///< from their mean to the point under the tip
   Real compliance_ = 0;
+  Real bears_ = 0;
 };
 
 }  // namespace sutura::suturing

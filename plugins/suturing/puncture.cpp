@@ -1,6 +1,7 @@
 #include "puncture.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "puncture_law.h"
 #include "sutura/archive.h"
@@ -11,6 +12,8 @@ namespace {
 // In units of `reach`.
 constexpr Real still_outside = 1e-3;  // a tip that begins no deeper than this lies on the surface
 constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
+
+constexpr Real rounding = 1e-6;  // of a force
 
 }  // namespace
 
@@ -38,10 +41,12 @@ void Puncture::describe(Describe<Puncture>& d) {
   describe_regions(d, between(1e-12, 1e9), ", on the surface and as a layer under another");
   d.attribute("friction", &Puncture::friction_, "1", between(0, 100),
               "Coulomb coefficient of the tip on the surface before it goes through.");
-  d.attribute("tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
-              "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
-              "E), whatever the mesh. 0: as wide as the tissue needs to bear the threshold at a "
-              "mean pressure of 0.3 E.");
+  d.attribute(
+      "tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
+      "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
+      "E), whatever the mesh. 0: as wide as the tissue needs to bear the threshold at a "
+      "mean pressure of 0.3 E, up to ten times the radius of the needle. A tip that presses "
+      "harder than 0.3 E on that says so as a fault.");
   d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1e3),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
@@ -176,6 +181,7 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
     ++overruns_;
     begin_bite();
   }
+  overloads_ = false;
   if (!block_.valid()) presses_ = false;
   if (block_.valid()) commit_front(solved);
   const bool let_out =
@@ -187,12 +193,21 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
 std::string Puncture::fault() const {
   if (front_ == Front::overrun) return "the tip got in without a puncture (an overrun)";
   if (got_out_) return "the tip got out without a puncture (an overrun): the step is too long";
-  return "";
+  if (!overloads_) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the tip presses with more than %.2g N: the tissue is too soft for that, its dent "
+                "and the place of a puncture are not to be relied on",
+                footprint_.bears());
+  return text;
 }
 
 void Puncture::commit_front(const SolvedBlocks& solved) {
-  if (solved.mode(block_) != PunctureLaw::penetrated) {
-    force_ = touched_.normal.dot(solved.force(block_));
+  const bool goes_through = solved.mode(block_) == PunctureLaw::penetrated;
+  // A puncture fires at the threshold.
+  force_ = goes_through ? threshold_here_ : touched_.normal.dot(solved.force(block_));
+  overloads_ = force_ > (1 + rounding) * footprint_.bears();
+  if (!goes_through) {
     peak_force_ = std::max(peak_force_, force_);
     lifted_ = !(force_ > 0);
     presses_ = (presses_ || !lifted_) && front_ != Front::layer;

@@ -70,9 +70,10 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far
   Index overruns_ = 0;
-  bool got_out_ = false;  ///< in the last step, without a puncture
-  Real force_ = 0;        ///< along the normal (N)
-  Real peak_force_ = 0;   ///< largest so far (N)
+  bool got_out_ = false;    ///< in the last step, without a puncture
+  bool overloads_ = false;  ///< what it presses on, in the last step
+  Real force_ = 0;          ///< along the normal (N)
+  Real peak_force_ = 0;     ///< largest so far (N)
 };
 
 }  // namespace sutura::suturing

@@ -143,9 +143,9 @@ Real TissueStep::rounding_of(Real dt) const {
   return 1e-7 * dt * at_work_;
 }
 
-/// A^-1 of a momentum that is missing, as far as the step asks for it: to a thirtieth of what may be
-/// missing at its end. Where little is missing, to a tenth of it, so that what comes to rest does so
-/// down to rounding.
+/// A^-1 of a momentum that is missing, as far as the step asks for it: to a thirtieth of what may
+/// be missing at its end. Where little is missing, to a tenth of it, so that what comes to rest
+/// does so down to rounding.
 void TissueStep::solve_what_matters(const StepContext& context, VecX& momentum) {
   model_.held.clear_fixed(momentum);
   const Real size = momentum.norm(), rounding = rounding_of(context.dt);

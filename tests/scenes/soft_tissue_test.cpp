@@ -17,6 +17,14 @@ struct Block {
   Real turn, until;                                         // deg; s
 };
 
+bool says_too_soft(const std::string& fault) {
+  return fault.find("too soft") != std::string::npos;
+}
+
+bool says_no_more_than_too_soft(const StepReport& report) {
+  return std::all_of(report.faults.begin(), report.faults.end(), says_too_soft);
+}
+
 TextRun needle_into(const Block& b, Real dt) {
   const auto text = [](Real x) { return std::to_string(x); };
   return TextRun(
@@ -59,7 +67,7 @@ TEST(SoftTissue, BearsTheTipAsAHalfSpaceAtAnyStep) {
     Real deepest = 0, peak = 0, jump = 0, before = 0;
     while (run.simulation().time() < 0.5 - 1e-9) {
       const StepReport& report = run.simulation().step();
-      ASSERT_TRUE(report.solved && report.faults.empty()) << report.time;
+      ASSERT_TRUE(report.solved && says_no_more_than_too_soft(report)) << report.time;
       const Real force = run.number("/puncture", "force");
       deepest = std::max(deepest, -run.vector("/suture", "tip_position").z());
       jump = std::max(jump, std::abs(force - before));
@@ -102,6 +110,33 @@ TEST(SoftTissue, IsPiercedTwiceByANeedleThatGoesThrough) {
     EXPECT_EQ(run.number("/puncture", "overruns"), 0) << dt;
     EXPECT_EQ(std::get<std::string>(run.output("/path", "state")), "outside") << dt;
   }
+}
+
+/// A tip that presses harder than 0.3 E on the widest disc, of ten radii of the needle, says so in
+/// that step. At shorter steps tetrahedra under it are turned inside out, which long ones miss.
+TEST(SoftTissue, SaysWhereItIsTooSoftForWhatTheTipPresses) {
+  const Block block{12.5e3, 0.22, 0.23, 0.225, 0.1, 90, 0.44};
+  const Real bears =
+      0.3 * block.young * std::numbers::pi * 100 * needle_radius * needle_radius;  // N
+  for (const Real dt : {8e-3, 2e-3}) {
+    TextRun run = needle_into(block, dt);
+    ASSERT_TRUE(run) << run.said();
+    int pressed = 0;
+    while (run.simulation().time() < 0.3 - 1e-9) {
+      const StepReport& report = run.simulation().step();
+      if (std::get<std::string>(run.output("/puncture", "state")) != "pressing") continue;
+      const Real force = run.number("/puncture", "force");
+      const bool says = std::any_of(report.faults.begin(), report.faults.end(), says_too_soft);
+      EXPECT_EQ(says, force > bears) << dt << ", " << report.time;
+      pressed += force > bears;
+    }
+    EXPECT_GT(pressed, 2) << dt;
+  }
+  TextRun run = needle_into({100e3, 0.22, 0.23, 0.225, 0.1, 90, 0.44}, 2e-3);
+  ASSERT_TRUE(run) << run.said();
+  while (run.simulation().time() < 0.3 - 1e-9)
+    EXPECT_TRUE(run.simulation().step().faults.empty()) << run.simulation().time();
+  EXPECT_EQ(run.number("/puncture", "punctures"), 1);
 }
 
 }  // namespace
