@@ -11,9 +11,10 @@ namespace sutura::suturing {
 namespace {
 
 constexpr int most_points = 32;
-constexpr Real bearable = 0.3;  // mean pressure on the disc, in units of E
-constexpr Real widest = 10;     // disc, in units of the radius of the shaft
-constexpr Real deepest = 3;     // dent of the near field, of the disc: linear theory says no more
+constexpr Real bearable = 0.3;   // mean pressure on the disc, in units of E
+constexpr Real too_much = 0.45;  // likewise: the widest disc is dented by 0.7 of its radius
+constexpr Real widest = 10;      // disc, in units of the radius of the shaft
+constexpr Real deepest = 3;      // dent of the near field, of the disc: linear theory says no more
 
 /// A direction along the surface that belongs to the mesh and not to the axes of the world: the
 /// edge of the tetrahedron under it that lies flattest.
@@ -64,7 +65,7 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, Real 
   constexpr Real pi = std::numbers::pi;
   const Real borne = std::sqrt(force / (bearable * pi * material.young));
   const Real disc = std::clamp(borne, shaft_radius, widest * shaft_radius);
-  bears_ = bearable * pi * disc * disc * material.young;
+  bears_ = too_much * pi * disc * disc * material.young;
   if (tip_radius > 0) {
     const Real plane = (1 - material.poisson * material.poisson) / material.young;
     compliance_ = plane * std::max(1 / (2 * tip_radius) - 16 / (3 * pi * pi * disc), Real(0));

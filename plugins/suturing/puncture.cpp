@@ -46,7 +46,7 @@ void Puncture::describe(Describe<Puncture>& d) {
       "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
       "E), whatever the mesh. 0: as wide as the tissue needs to bear the threshold at a "
       "mean pressure of 0.3 E, up to ten times the radius of the needle. A tip that presses "
-      "harder than 0.3 E on that says so as a fault.");
+      "harder than 0.45 E on that is a fault of the step.");
   d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1e3),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "
