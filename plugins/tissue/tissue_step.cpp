@@ -156,7 +156,7 @@ void TissueStep::solve_what_matters(const StepContext& context, VecX& momentum) 
   const Real may_lack = context.tolerance * context.dt * at_work_;
   const Real enough = std::max(rounding, std::min(may_lack / 30, size / 10));
   solver_.solve(momentum, enough);  // also if it is not finite
-  left_ += enough;
+  may_stay_ += enough;
 }
 
 void TissueStep::linearise(const StepContext& context, const VecX& force) {
@@ -180,7 +180,7 @@ void TissueStep::linearise(const StepContext& context, const VecX& force) {
   change_ = missing_ + pushed_;
   model_.held.clear_fixed(change_);
   asked_ = change_.norm();
-  left_ = 0;
+  may_stay_ = 0;
   solve_what_matters(context, change_);
 }
 
@@ -203,7 +203,7 @@ void TissueStep::correct(const StepContext& context, const VecX& force_change) {
   // leave, as they turn, is not its fault.
   answer_ = missing_ + pushed_;
   const Real left = size_of_free(answer_);
-  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.01 * asked_ + left_);
+  outdated_ = outdated_ || (left > rounding_of(h) && left > 0.01 * asked_ + may_stay_);
 }
 
 /// Of a momentum, without what holds and supports take up (N s).

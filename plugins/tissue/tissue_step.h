@@ -88,7 +88,7 @@ class TissueStep {
   bool is_restored_ = false;      ///< A, whose rotations have to be found again
   VecX pushed_;                   ///< by constraints, in this pass (N s)
   Real asked_ = 0;                ///< of A by this pass (N s)
-  Real left_ = 0;                 ///< at most, of that by the solver (N s)
+  Real may_stay_ = 0;             ///< what the solver may leave of that (N s)
   bool outdated_ = false;         ///< A has not answered well since it was made
   Real assembled_for_ = 0;        ///< and the length of the step (s)
   Index linearisations_ = 0;      ///< in this step
