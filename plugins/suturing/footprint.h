@@ -4,8 +4,8 @@
 // and turns the one under the tip inside out. So the mesh carries the force on a disc of radius A,
 // wide enough that the mean pressure stays a fraction of E up to the puncture: beyond that no
 // linear law holds, and what happens closer to the tip is left to the threshold. The disc has a
-// largest radius; where that bears more, nobody knows what the tip does. It dents a half space by
-// 16 (1 - nu^2) F / (3 pi^2 A E) (mean dent under uniform pressure), whatever the mesh.
+// largest radius; what a tip does that presses harder than `bears` is not known. It dents a half
+// space by 16 (1 - nu^2) F / (3 pi^2 A E) (mean dent under uniform pressure), whatever the mesh.
 // Where the scene gives the tip a radius a of its own, the dent is that of a punch of this radius,
 // (1 - nu^2) F / (2 a E) (Boussinesq): what the disc does not give is a compliance of the contact,
 //   c = (1 - nu^2)/E (1/(2 a) - 16/(3 pi^2 A)).
