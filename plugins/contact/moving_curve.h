@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/curve_segments.h"
 #include "sutura/geometry/poses.h"
+#include "sutura/geometry/rolling.h"
 
 namespace sutura::contact {
 
@@ -69,14 +69,6 @@ struct MovingCurve {
   }
 };
 
-/// By how much `to` is rolled about its x axis when that has gone there from `from` the shortest
-/// way (rad, at most pi).
-inline Real roll_between(const Quat& from, const Quat& to) {
-  const Quat tilted = shortest_rotation(from * Vec3::UnitX(), to * Vec3::UnitX()) * from;
-  const Quat left = tilted.conjugate() * to;
-  return 2 * std::atan2(left.w() < 0 ? -left.x() : left.x(), std::abs(left.w()));
-}
-
 /// How far the surface has gone over the step at the touch that is now away from the section at s
 /// by `arm`, seen from a rigid partner that has gone from one pose to another (m). What the section
 /// has rolled on it counts as a length, roll times arm, however many turns it is; the way of one
@@ -90,10 +82,8 @@ inline Vec3 moved_on(const Pose& partner_was, const Pose& partner_is, const Segm
                      turn * was.rotation};
   const Vec3 along = is.rotation * Vec3::UnitX();
   const Vec3 arm_was = shortest_rotation(along, carried.rotation * Vec3::UnitX()) * arm;
-  constexpr Real whole = 2 * std::numbers::pi;
-  Real roll = roll_between(carried.rotation, is.rotation);
-  const Real about = curve.roll(s) - roll_between(was.rotation, carried.rotation);
-  roll += whole * std::round((about - roll) / whole);
+  const Real roll = roll_between(carried.rotation, is.rotation) +
+                    whole_rolls(curve, s, carried.rotation);
   return is.position - carried.position + arm - arm_was + roll * along.cross(arm);
 }
 

@@ -2,14 +2,38 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <numbers>
 
 #include "element_mass.h"
 
 namespace sutura::thread {
 
+namespace {
+
+/// Of the rotation vectors that differ from `turn` by whole turns about its axis, the one nearest to
+/// `expected`.
+Vec3 counted(const Vec3& turn, const Vec3& expected) {
+  constexpr Real whole = 2 * std::numbers::pi;
+  const Real angle = turn.norm();
+  if (angle < 1e-9 && expected.norm() < whole / 2) return turn;
+  const Vec3 axis = angle < 1e-9 ? expected.normalized() : Vec3(turn / angle);
+  return turn + whole * std::round((expected.dot(axis) - angle) / whole) * axis;
+}
+
+}  // namespace
+
+Vec3 NodeSpring::turn_at(const Quat& start, const Vec3& motion, const Quat& section) const {
+  const Vec3 of_target = rotation_between(rotated(start, turn), target.rotation);
+  return counted(rotation_between(section, target.rotation), turn + of_target - motion);
+}
+
+Wrench NodeSpring::wrench(const Pose& p, const Vec3& turned_by) const {
+  return {stiffness.translation * (target.position - p.position), stiffness.rotation * turned_by};
+}
+
 Wrench NodeSpring::wrench(const Pose& p) const {
-  return {stiffness.translation * (target.position - p.position),
-          stiffness.rotation * rotation_between(p.rotation, target.rotation)};
+  return wrench(p, counted(rotation_between(p.rotation, target.rotation), turn));
 }
 
 void Rod::build(const RodLayout& layout) {
@@ -156,6 +180,7 @@ void Rod::archive(Archive& a) {
     each("target", s.target);
     each("translation", s.stiffness.translation);
     each("rotation", s.stiffness.rotation);
+    each("turn", s.turn);
     each("applied", s.applied);
   });
   if (pose_.size() != nodes || velocity_.size() != dofs() || twist_.size() + 1 != nodes ||

@@ -22,15 +22,22 @@ struct RodLayout {
   std::vector<Section> sections;  ///< one per beam
 };
 
-/// A section tied to a pose by a spring (Hold of a grasper).
+/// A section tied to a pose by a spring (Hold of a grasper). How far the target is turned against
+/// the section is counted over whole turns, as the spring remembers them.
 struct NodeSpring {
   Index node = 0;
   bool active = false;
   Pose target;
   HoldStiffness stiffness;
-  Wrench applied;  ///< on the rod, at the end of the last step
+  Vec3 turn = Vec3::Zero();  ///< from the section to the target, at the end of the last step (rad)
+  Wrench applied;            ///< on the rod, at the end of the last step
 
-  /// On a section with that pose.
+  /// The turn from the section to the target when the section, which began the step as `start`, has
+  /// turned by `motion` since then (see `turned`) to be as `section`. All rad, world axes.
+  Vec3 turn_at(const Quat& start, const Vec3& motion, const Quat& section) const;
+  /// On a section with that pose, from which the target is turned by `turn`.
+  Wrench wrench(const Pose& section, const Vec3& turn) const;
+  /// Likewise, for a section that has not moved by half a turn since `turn` was taken.
   Wrench wrench(const Pose& section) const;
 };
 

@@ -65,13 +65,26 @@ Real ConstraintForce::work(const Rod& rod, Index node, const Dofs& motion) const
          axial_moment[node] * motion.segment<3>(6 * node + 3).dot(from);
 }
 
+void AtWork::add_moment(const Vec3& moment, const Vec3& tangent) {
+  const Real about = moment.dot(tangent);
+  bending += (moment - about * tangent).norm();
+  roll += std::abs(about);
+}
+
+AtWork& AtWork::operator+=(const AtWork& other) {
+  force += other.force;
+  bending += other.bending;
+  roll += other.roll;
+  return *this;
+}
+
 void RodGuess::resize(Index nodes) {
   const auto n = static_cast<std::size_t>(nodes);
   for (auto* v : {&motion, &missing}) v->clear(6 * nodes);
   force.resize(nodes);
   tension.assign(n - 1, 0);
   beams.resize(n - 1);
-  at_work.assign(n, 0);
+  at_work.assign(n, {});
 }
 
 void RodGuess::reserve(Index nodes) {
@@ -96,6 +109,12 @@ void RodGuess::move(Rod& rod, const RodStart& start) {
   evaluate(rod, start);
 }
 
+Vec3 RodGuess::turn(const Rod& rod, const NodeSpring& spring) const {
+  const Index i = spring.node;
+  return spring.turn_at(rod.poses(Configuration::start)[i].rotation,
+                        motion.segment<3>(6 * i + 3), rod.poses()[i].rotation);
+}
+
 bool RodGuess::goes_straight(const Rod& rod, Index node) const {
   const Stretches& stretches = rod.stretches();
   if (stretches.follows(node)) return false;
@@ -110,7 +129,7 @@ void RodGuess::take_tension() {
 
 void RodGuess::evaluate(Rod& rod, const RodStart& start) {
   missing.setZero();
-  std::fill(at_work.begin(), at_work.end(), 0);
+  std::fill(at_work.begin(), at_work.end(), AtWork());
   for (Index e = 0; e < rod.beams(); ++e) {
     rod.element_state(e, beams[e]);
     rod.twist()[e] = beams[e].twist;
@@ -118,13 +137,17 @@ void RodGuess::evaluate(Rod& rod, const RodStart& start) {
   }
   for (const NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
-    const Wrench w = spring.wrench(rod.poses()[spring.node]);
+    const Wrench w = wrench(rod, spring);
     missing.segment<3>(6 * spring.node) += start.dt * w.force;
     missing.segment<3>(6 * spring.node + 3) += start.dt * w.moment;
-    at_work[spring.node] += w.force.norm();
+    at_work[spring.node].force += w.force.norm();
+    at_work[spring.node].add_moment(w.moment, tangent(rod.poses()[spring.node]));
   }
   missing += start.dt * start.load;
-  for (Index i = 0; i < rod.nodes(); ++i) at_work[i] += start.load.segment<3>(6 * i).norm();
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    at_work[i].force += start.load.segment<3>(6 * i).norm();
+    at_work[i].add_moment(start.load.segment<3>(6 * i + 3), tangent(rod.poses()[i]));
+  }
   gather(rod);
   for (const Index node : rod.clamped()) missing.segment<6>(6 * node).setZero();
 }
@@ -137,7 +160,7 @@ void RodGuess::gather(const Rod& rod) {
   for (Index i = 0; i < rod.nodes(); ++i) {
     if (!stretches.follows(i)) continue;
     at_work[stretches.lead(i)] += at_work[i];
-    at_work[i] = 0;
+    at_work[i] = {};
   }
 }
 
@@ -187,8 +210,12 @@ void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
 
   // A strain of 1e-10 is rounding.
   const Real inner = g.v.norm() + 1e-10 * r.axial, outer = (weight.norm() / 2) / dt;
-  at_work[e] += inner + g.a.norm() / r.length + p.xa.norm() / dt + outer;
-  at_work[e + 1] += inner + g.b.norm() / r.length + p.xb.norm() / dt + outer;
+  at_work[e].force += inner + p.xa.norm() / dt + outer;
+  at_work[e + 1].force += inner + p.xb.norm() / dt + outer;
+  at_work[e].add_moment(g.a, s.ta);
+  at_work[e].add_moment(p.sa / dt, s.ta);
+  at_work[e + 1].add_moment(g.b, s.tb);
+  at_work[e + 1].add_moment(p.sb / dt, s.tb);
 }
 
 }  // namespace sutura::thread

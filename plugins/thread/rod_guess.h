@@ -56,6 +56,16 @@ struct ConstraintForce {
   Real work(const Rod& rod, Index node, const Dofs& motion) const;
 };
 
+/// The sum of the sizes of what acts on a node, on its own and through its beams.
+struct AtWork {
+  Real force = 0;    ///< N
+  Real bending = 0;  ///< moments across the tangent, N m
+  Real roll = 0;     ///< moments about the tangent, N m
+
+  void add_moment(const Vec3& moment, const Vec3& tangent);
+  AtWork& operator+=(const AtWork& other);
+};
+
 /// A guess of the end of a step. Its unknowns are the motion, the forces of constraints and the
 /// tension of the beams; the rod's poses, twist and velocity are those of the motion.
 struct RodGuess {
@@ -66,7 +76,7 @@ struct RodGuess {
   // What `move_to` and `evaluate` find there.
   std::vector<ElementState> beams;
   DofVector missing;  ///< r: momentum due without forces of constraints (N s, N m s; 6 per node)
-  std::vector<Real> at_work;  ///< per node: sum of the sizes of the forces on it (N)
+  std::vector<AtWork> at_work;  ///< per node, without the forces of constraints
 
   void resize(Index nodes);
   void reserve(Index nodes);
@@ -74,6 +84,11 @@ struct RodGuess {
   void move(Rod& rod, const RodStart& start);
   /// The tension is that of the beams as they are.
   void take_tension();
+  /// Of the spring, on the section that it holds.
+  Wrench wrench(const Rod& rod, const NodeSpring& spring) const {
+    return spring.wrench(rod.poses()[spring.node], turn(rod, spring));
+  }
+  Vec3 turn(const Rod& rod, const NodeSpring& spring) const;
   /// Where it is held or pushed; of a rigid stretch, the leader says so for all.
   bool goes_straight(const Rod& rod, Index node) const;
 

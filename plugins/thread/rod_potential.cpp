@@ -29,7 +29,7 @@ Real potential(const Rod& rod, const RodStart& start, const RodGuess& guess) {
   }
   for (const NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
-    const Wrench w = spring.wrench(rod.poses()[spring.node]);
+    const Wrench w = guess.wrench(rod, spring);
     sum += w.force.squaredNorm() / (2 * spring.stiffness.translation);
     if (spring.stiffness.rotation > 0)
       sum += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);

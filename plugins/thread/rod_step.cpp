@@ -8,6 +8,29 @@
 
 namespace sutura::thread {
 
+namespace {
+
+/// Forces below this share of the largest in the rod are taken for rounding where nothing else is
+/// at work, and so are moments about the tangent beside others.
+constexpr Real negligible = 1e-6;
+
+/// What is missing of balance at a node, r (N, N m), as a share of what is at work there. Roll is
+/// judged by itself: the force of a taut thread times the length of a beam may be a million times
+/// what twists it.
+Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const ElementRest& beam) {
+  constexpr Real twist = 1;  // rad in a beam: where less is at work, roll is judged beside it
+  AtWork missing;
+  missing.force = r.head<3>().norm();
+  missing.add_moment(r.tail<3>(), tangent);
+  const Real force = at_work.force + at_work.bending / beam.length;
+  const Real roll = at_work.roll + twist * beam.torsion + negligible * force * beam.length;
+  const auto part = [](Real of, Real whole) { return of > 0 ? of / whole : 0; };
+  return std::max({part(missing.force, force), part(missing.bending, force * beam.length),
+                   part(missing.roll, roll)});
+}
+
+}  // namespace
+
 void RodStep::fit(const Rod& rod) {
   const Index n = rod.nodes();
   start_.resize(n);
@@ -120,23 +143,25 @@ void RodStep::move_to(Rod& rod, const VecX& motion) {
 Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
   Imbalance worst;
   const Stretches& stretches = rod.stretches();
-  const std::vector<Real>& at_work = guess_.at_work;
-  const Real everywhere = *std::max_element(at_work.begin(), at_work.end());
+  Real everywhere = 0;
+  for (const AtWork& w : guess_.at_work) everywhere = std::max(everywhere, w.force);
   for (Index i = 0; i < rod.nodes(); ++i) {
     if (rod.is_clamped(i) || stretches.follows(i)) continue;
     Vec6 r = guess_.missing.segment<6>(6 * i) / start_.dt;
-    const Real length = rod.element(std::min(i, rod.beams() - 1)).length;
-    Real scale = at_work[i];
+    AtWork scale = guess_.at_work[i];
+    scale.force += negligible * everywhere;
     for (Index k = i; k < rod.nodes() && stretches.lead(k) == i; ++k) {
       r += stretches.on_leader(rod.poses(), k, force.segment<6>(6 * k));
-      scale += force.segment<3>(6 * k).norm();
+      scale.force += force.segment<3>(6 * k).norm();
+      scale.add_moment(force.segment<3>(6 * k + 3), tangent(rod.poses()[k]));
     }
-    scale += negligible * everywhere;
-    const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / length);
+    const ElementRest& beam = rod.element(std::min(i, rod.beams() - 1));
+    const Real relative = share(r, tangent(rod.poses()[i]), scale, beam);
+    const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / beam.length);
     // What is not a number at one node stays so: the next one must not hide it.
     if (!std::isfinite(size)) return {size, size};
     worst.force = std::max(worst.force, size);
-    if (scale > 0) worst.relative = std::max(worst.relative, size / scale);
+    worst.relative = std::max(worst.relative, relative);
   }
   return worst;
 }
@@ -155,8 +180,11 @@ void RodStep::end(Rod& rod, const Dofs& force) {
     guess_.force.at = force;
   else
     guess_.force.at.setZero();
-  for (NodeSpring& spring : rod.springs())
-    if (spring.active) spring.applied = spring.wrench(rod.poses()[spring.node]);
+  for (NodeSpring& spring : rod.springs()) {
+    if (!spring.active) continue;
+    spring.turn = guess_.turn(rod, spring);
+    spring.applied = spring.wrench(rod.poses()[spring.node], spring.turn);
+  }
   in_step_ = false;
 }
 

@@ -67,10 +67,6 @@ class RodStep {
   void take_change(Rod& rod);
   bool buckles(const Rod& rod);
 
-  /// Forces below this share of the largest in the rod are taken for rounding where nothing else is
-  /// at work.
-  static constexpr Real negligible = 1e-6;
-
   RodStart start_;
   RodGuess guess_;
   RodWay way_;

@@ -63,7 +63,7 @@ void add_turning_arms(const Rod& rod, const RodStart& start, const RodGuess& gue
     add(s.last, gradient(rod.element(s.last), beyond).v);
   }
   for (const NodeSpring& spring : rod.springs())
-    if (spring.active) add(spring.node, spring.wrench(poses[spring.node]).force);
+    if (spring.active) add(spring.node, guess.wrench(rod, spring).force);
 }
 
 /// What blocks on a node become on its leader: T^T A T, T the rigid motion of the node.

@@ -227,8 +227,10 @@ void SutureThread::set_hold(Index hold, const Pose& target, const HoldStiffness&
 }
 
 void SutureThread::release_hold(Index hold) {
-  rod_.springs()[hold].active = false;
-  rod_.springs()[hold].applied = {};
+  NodeSpring& spring = rod_.springs()[hold];
+  spring.active = false;
+  spring.turn.setZero();
+  spring.applied = {};
 }
 
 Wrench SutureThread::hold_wrench(Index hold) const {

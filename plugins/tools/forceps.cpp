@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sutura/geometry/poses.h"
+#include "sutura/geometry/rolling.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/scene.h"
 
@@ -139,15 +140,19 @@ void Forceps::detect(const StepContext& context) {
         begin_step(targets_[static_cast<std::size_t>(piece.target)], open, p);
   }
   const Pose frame = placed(Configuration::current);
+  const Quat turn = frame.rotation * placed(Configuration::start).rotation.conjugate();
   for (Piece& piece : pieces_) {
     const Target& target = targets_[static_cast<std::size_t>(piece.target)];
     for (Point& p : piece.points) {
+      Vec3 rolled = Vec3::Zero();
       if (target.curve != nullptr) {
-        const Quat was = target.curve->frame(p.s, Configuration::start).rotation;
-        p.arm = target.curve->frame(p.s, Configuration::current).rotation *
-                (was.conjugate() * p.start_arm);
+        const Quat was = target.curve->frame(p.s, Configuration::start).rotation,
+                   is = target.curve->frame(p.s, Configuration::current).rotation;
+        p.arm = is * (was.conjugate() * p.start_arm);
+        // After a whole turn the point is where it was, but the section has rolled in the jaws.
+        rolled = whole_rolls(*target.curve, p.s, turn * was) * (is * Vec3::UnitX()).cross(p.arm);
       }
-      p.gap = seen_from(frame, position(target, p)) - p.anchor;
+      p.gap = seen_from(frame, position(target, p) + rolled) - p.anchor;
     }
   }
 }

@@ -37,7 +37,7 @@ void Grasper::describe(Describe<Grasper>& d) {
 }
 
 void Grasper::initialise(Setup& setup) {
-  if (at_ > body_->length()) {
+  if (at_ > body_->length() * (1 + 1e-9)) {
     setup.error(*this, "'at' is " + format_real(at_) +
                            " m; expected an abscissa on 'body', which is " +
                            format_real(body_->length()) + " m long");
