@@ -8,15 +8,32 @@ namespace sutura::thread {
 
 namespace {
 
-/// Inverse of a symmetric 3 x 3 by cofactors; false unless all leading minors are positive (or, if
-/// indefinite ones are welcome, unless it is regular).
-inline bool invert3(const Mat3& a, Mat3& inv, bool indefinite) {
+/// Inverse of a symmetric 3 x 3 that is positive definite; false if it is not. By L D L^T:
+/// cofactors would lose twice the digits where a beam is a million times stiffer along than across.
+inline bool invert_definite(const Mat3& a, Mat3& inv) {
+  const Real d0 = a(0, 0), l10 = a(1, 0) / d0, l20 = a(2, 0) / d0;
+  const Real d1 = a(1, 1) - l10 * a(1, 0), e = a(2, 1) - l10 * a(2, 0), l21 = e / d1;
+  const Real d2 = a(2, 2) - l20 * a(2, 0) - l21 * e;
+  if (!(d0 > 0 && d1 > 0 && d2 > 0)) return false;
+  const Real m20 = l10 * l21 - l20;  // of L^-1
+  const Real i1 = 1 / d1, i2 = 1 / d2;
+  inv(0, 0) = 1 / d0 + l10 * l10 * i1 + m20 * m20 * i2;
+  inv(0, 1) = inv(1, 0) = -l10 * i1 - m20 * l21 * i2;
+  inv(0, 2) = inv(2, 0) = m20 * i2;
+  inv(1, 1) = i1 + l21 * l21 * i2;
+  inv(1, 2) = inv(2, 1) = -l21 * i2;
+  inv(2, 2) = i2;
+  return true;
+}
+
+/// Inverse of a symmetric 3 x 3 by cofactors; false unless it is regular.
+inline bool invert_regular(const Mat3& a, Mat3& inv) {
   const Real c00 = a(1, 1) * a(2, 2) - a(1, 2) * a(1, 2);
   const Real c01 = a(0, 2) * a(1, 2) - a(0, 1) * a(2, 2);
   const Real c02 = a(0, 1) * a(1, 2) - a(0, 2) * a(1, 1);
   const Real c22 = a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
   const Real det = a(0, 0) * c00 + a(0, 1) * c01 + a(0, 2) * c02;
-  if (!(a(0, 0) > 0 && c22 > 0 && det > 0) && !(indefinite && std::isnormal(det))) return false;
+  if (!std::isnormal(det)) return false;
   const Real f = 1 / det;
   inv(0, 0) = c00 * f;
   inv(0, 1) = inv(1, 0) = c01 * f;
@@ -25,6 +42,11 @@ inline bool invert3(const Mat3& a, Mat3& inv, bool indefinite) {
   inv(1, 2) = inv(2, 1) = (a(0, 1) * a(0, 2) - a(0, 0) * a(1, 2)) * f;
   inv(2, 2) = c22 * f;
   return true;
+}
+
+/// By L D L^T where it is definite.
+inline bool invert3(const Mat3& a, Mat3& inv, bool indefinite) {
+  return invert_definite(a, inv) || (indefinite && invert_regular(a, inv));
 }
 
 /// Inverse of a symmetric 6 x 6 through its 3 x 3 blocks.
