@@ -11,8 +11,8 @@ namespace sutura::thread {
 
 namespace {
 
-/// Of the rotation vectors that differ from `turn` by whole turns about its axis, the one nearest to
-/// `expected`.
+/// Of the rotation vectors that differ from `turn` by whole turns about its axis, the one nearest
+/// to `expected`.
 Vec3 counted(const Vec3& turn, const Vec3& expected) {
   constexpr Real whole = 2 * std::numbers::pi;
   const Real angle = turn.norm();

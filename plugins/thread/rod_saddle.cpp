@@ -7,7 +7,8 @@
 namespace sutura::thread {
 
 /// Whether the guess is no minimum of the potential, as a straight rod is not that is pushed
-/// together. Overwrites the matrix of the step, which the next pass assembles anew.
+/// together. What constraints push is taken for held: they may hold it. Overwrites the matrix of
+/// the step, which the next pass assembles anew.
 bool RodStep::buckles(const Rod& rod) {
   bool compressed = false;
   for (Index e = 0; e < rod.beams() && !compressed; ++e) {
@@ -18,6 +19,8 @@ bool RodStep::buckles(const Rod& rod) {
   if (!compressed) return false;
   guess_.take_tension();
   assemble(rod, start_, guess_, Tangent::exact, matrix_);
+  for (Index i = 0; i < rod.nodes(); ++i)
+    for (int d = 0; guess_.force.pushes(i) && d < 6; ++d) matrix_.fix(rod.stretches().block(i), d);
   if (matrix_.factor()) return false;
   // Rounding makes a slender chain indefinite by 1e-13 of its diagonal (rod_tangent.cpp).
   for (Index i = 0; i < matrix_.blocks(); ++i) matrix_.diagonal(i).diagonal() *= 1 + 1e-10;
@@ -26,7 +29,7 @@ bool RodStep::buckles(const Rod& rod) {
 
 /// Along a direction of negative curvature, as far as the potential falls.
 bool RodStep::leave_saddle(Rod& rod) {
-  if (!guess_.force.at.isZero(0) || !buckles(rod)) return false;
+  if (!buckles(rod)) return false;
   matrix_.negative_direction(rod.element(0).length, answer_.head(6 * matrix_.blocks()));
   rod.stretches().unpack(rod.poses(), answer_);
   const Real turn = largest_turn(rod, Configuration::current, answer_);

@@ -45,8 +45,8 @@ class RodStep {
   Imbalance imbalance(const Rod& rod, const Dofs& force) const;
   /// h/2 times the change of velocity, the largest over the nodes that nothing holds (m).
   Real time_error(const Rod& rod) const;
-  /// A balanced guess that is no minimum of the potential moves on to where that is lower. False if
-  /// it is a minimum, or if constraints push the rod: they may hold it there.
+  /// A balanced guess that is no minimum of the potential, with what constraints push held where it
+  /// is, moves on to where that is lower. False if it is a minimum.
   bool leave_saddle(Rod& rod);
   /// Another guess.
   void move_to(Rod& rod, const VecX& motion);

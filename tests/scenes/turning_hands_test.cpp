@@ -23,8 +23,8 @@ constexpr const char* thread =
 class TurningHands : public ::testing::TestWithParam<Real> {};
 
 // Let go with 0.7 turns in it, the end rolls back by whole turns in a step. When the hand takes it
-// again the step before is no guess of what is to come: the end would roll on, be where it was after
-// whole turns, and be wound for ever.
+// again the step before is no guess of what is to come: the end would roll on, be where it was
+// after whole turns, and be wound for ever.
 TEST_P(TurningHands, TakeAThreadThatSpinsBack) {
   TextRun run(std::string(thread) +
                   "<Track name='still' times='0' positions='0 0 0'/>"
@@ -93,8 +93,8 @@ TEST(TurningHands, FineTautThreadsAreTwistedAllAlong) {
   struct Case {
     const char *diameter, *young, *bending;
   };
-  for (const Case& c : {Case{"0.02 mm", "2.7 GPa", "1"}, {"0.03 mm", "2.5 GPa", "1"},
-                        {"0.07 mm", "5 GPa", "0.05"}})
+  for (const Case& c :
+       {Case{"0.02 mm", "2.7 GPa", "1"}, {"0.03 mm", "2.5 GPa", "1"}, {"0.07 mm", "5 GPa", "0.05"}})
     for (const Real dt : {5e-3, 10e-3, 20e-3}) {
       TextRun run(
           std::string("<SutureThread name='a' needle_length='0' tip_direction='-1 0 0' "
