@@ -122,8 +122,13 @@ void Puncture::lay_footprint() {
   if (front_ == Front::layer)
     footprint_.find(touched_);
   else
-    footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
-                    threshold_of_front());
+    footprint_.find(path_->tissue(), touched_, pressing());
+}
+
+Footprint::Pressing Puncture::pressing() const {
+  return {.tip_radius = tip_radius_,
+          .shaft_radius = path_->thread().radius(0),
+          .force = threshold_of_front()};
 }
 
 Real Puncture::threshold_of_front() const {

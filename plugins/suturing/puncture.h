@@ -33,6 +33,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   void find_front();
   void search_front();
   void lay_footprint();
+  Footprint::Pressing pressing() const;
   bool keeps_place();
   bool is_free(Real above);
   bool is_past_edge(const Vec3& normal, Real apart) const;

@@ -59,13 +59,13 @@ bool Puncture::keeps_place() {
   front_ = past ? Front::none : place_;
   const Vec3 slid = way - way.dot(n) * n;
   if (slid.norm() > still_there * reach_) {
+    const SurfacePoint before = touched_;
     if (const auto to = tissue.closest_surface(from + slid, 2 * slid.norm(), start, n))
       touched_ = *to;
-    lay_footprint();
-    footprint_.put_under(tip - way.dot(n) * n, tissue);
+    footprint_.slide(tissue, before, touched_, tip, pressing());
   }
   touched_.position = footprint_.position(tissue, start);
-  touched_.normal = side * n;
+  touched_.normal = side * footprint_.normal(tissue, start);
   return true;
 }
 
