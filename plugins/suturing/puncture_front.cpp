@@ -22,7 +22,9 @@ constexpr Configuration start = Configuration::start;
 }  // namespace
 
 void Puncture::find_front() {
-  if (presses_ && keeps_place()) return;
+  // It presses from the side on which it is.
+  const bool stays = presses_ && path_->channel().tip_inside() == (place_ == Front::exit);
+  if (stays && keeps_place()) return;
   search_front();
   if (front_ == Front::none || front_ == Front::overrun) return;
   lay_footprint();
