@@ -17,26 +17,26 @@ constexpr Real too_much = 0.45;  // likewise: the widest disc is dented by 0.7 o
 constexpr Real widest = 10;      // disc, in units of the radius of the shaft
 constexpr Real deepest = 3;      // dent of the near field, of the disc: linear theory says no more
 
-// Of a footprint that slides, in units of its way.
-constexpr Real as_far = 2;        // how far from its goal a point may find the surface
-constexpr Real most_stretch = 4;  // a point that went further in the bent tissue left it
+constexpr Real most_stretch = 4;  // what is further apart now than that, of rest, is torn apart
+constexpr Real as_far = 2;        // from its goal a sliding point finds the surface, in its way
 
 /// A direction along the surface that belongs to the mesh and not to the axes of the world: the
 /// edge of the tetrahedron under it that lies flattest.
-Vec3 along_surface(const SolidBody& tissue, const SurfacePoint& surface) {
+Vec3 along_surface(const SolidBody& tissue, const SurfacePoint& surface, Configuration shape,
+                   const Vec3& normal) {
   const auto corner = [&](std::size_t k) {
     EmbeddedPoint p{.element = surface.at.element};
     p.weights = {0, 0, 0, 0};
     p.weights[k] = 1;
-    return tissue.position(p, Configuration::start);
+    return tissue.position(p, shape);
   };
   Vec3 flattest = Vec3::Zero();
   for (std::size_t k = 1; k < 4; ++k) {
     const Vec3 edge = (corner(k) - corner(0)).normalized();
-    const Vec3 flat = edge - edge.dot(surface.normal) * surface.normal;
+    const Vec3 flat = edge - edge.dot(normal) * normal;
     if (flat.squaredNorm() > flattest.squaredNorm()) flattest = flat;
   }
-  return flattest.isZero(0) ? surface.normal.unitOrthogonal() : flattest.normalized();
+  return flattest.isZero(0) ? normal.unitOrthogonal() : flattest.normalized();
 }
 
 }  // namespace
@@ -78,26 +78,32 @@ void Footprint::fit(const SolidBody& tissue, const SurfacePoint& surface, const 
   }
 }
 
-void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, const Pressing& tip) {
+void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, const Pressing& tip,
+                     Configuration shape) {
   find(surface);
   fit(tissue, surface, tip);
   if (disc_ == 0) return;
 
   // Points of equal area on the disc (a sunflower), each taken to the surface.
   points_.clear();
-  const Vec3 outward = tissue.surface_normal(surface.triangle, Configuration::start);
-  const Vec3 u = along_surface(tissue, surface), v = surface.normal.cross(u);
+  const Vec3 centre = tissue.position(surface.at, shape);
+  const Vec3 outward = tissue.surface_normal(surface.triangle, shape);
+  const Vec3 normal = shape == Configuration::start ? surface.normal : outward;
+  const Vec3 u = along_surface(tissue, surface, shape, normal), v = normal.cross(u);
   const Real golden = pi * (3 - std::sqrt(Real(5)));
   for (int k = 0; k < most_points; ++k) {
     const Real r = disc_ * std::sqrt((k + 0.5) / most_points), angle = golden * k;
-    const Vec3 p = surface.position + r * (std::cos(angle) * u + std::sin(angle) * v);
-    const auto foot = tissue.closest_surface(p, disc_, Configuration::start);
+    const Vec3 p = centre + r * (std::cos(angle) * u + std::sin(angle) * v);
+    const auto foot = tissue.closest_surface(p, disc_, shape);
     // The other side of a slit or of a thin sheet is not under the tip.
-    if (foot && foot->normal.dot(outward) > 0) points_.push_back(*foot);
+    if (!foot || !(foot->normal.dot(outward) > 0)) continue;
+    const Vec3 apart = tissue.position(foot->at, Configuration::start) - surface.position;
+    if (apart.norm() < most_stretch * r) points_.push_back(*foot);
   }
   if (points_.empty()) points_.push_back(surface);
   Vec3 mean = Vec3::Zero();
-  for (const SurfacePoint& p : points_) mean += p.position / static_cast<Real>(points_.size());
+  for (const SurfacePoint& p : points_)
+    mean += tissue.position(p.at, Configuration::start) / static_cast<Real>(points_.size());
   offset_ = surface.position - mean;
 }
 

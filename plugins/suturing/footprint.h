@@ -26,8 +26,10 @@ class Footprint {
     Real shaft_radius = 0;  ///< m
     Real force = 0;         ///< at most (N)
   };
-  /// On `surface`, at the start of a step.
-  void find(const SolidBody& tissue, const SurfacePoint& surface, const Pressing& tip);
+  /// On `surface`, at the start of a step. Points are laid out over the tissue as it is then, or as
+  /// it is at rest: under a tent a disc has no other shape.
+  void find(const SolidBody& tissue, const SurfacePoint& surface, const Pressing& tip,
+            Configuration shape);
   /// A single point, without compliance.
   void find(const SurfacePoint& surface);
   /// A tip that presses has slid `from` one point of the surface `to` another: the footprint slides
