@@ -151,7 +151,7 @@ const PathSample* Channel::find(std::uint64_t id) const {
 void Channel::update(bool blocked) {
   got_out_ = false;
   find_abscissae();
-  retract();
+  retract(blocked);
   readvance();
   if (tip_inside() && passed_ == samples_.size() && !blocked) record();
 }
@@ -177,14 +177,17 @@ void Channel::find_abscissae() {
 }
 
 /// A tip that has just pierced stands before its mouth, by what the mesh is dented more under it
-/// than its footprint on average. The mouth holds it all the same, until it goes further back.
-void Channel::retract() {
+/// than its footprint on average. The mouth holds it all the same, until it goes further back. So
+/// does what is behind a tip that a surface holds from the inside, by the mean of a footprint too:
+/// in a thin sheet that is pressed into a tent the mouth is ahead of it.
+void Channel::retract(bool blocked) {
   const Vec3 tip_position = tip();
   const Vec3 forward = advance_direction();
   for (; passed_ > 0; --passed_) {
     const PathSample& last = samples_[passed_ - 1];
     const Vec3 at = tissue_.position(last.at, Configuration::current);
     ahead_ = last.abscissa > 0 ? 0 : std::max(forward.dot(at - tip_position), Real(0));
+    if (blocked) lead_ = std::max(lead_, ahead_);
     if (ahead_ <= lead_) return;
     ahead_ = lead_ = 0;
   }

@@ -98,7 +98,7 @@ class Channel {
   /// Index of the sample with this id, or the number of samples.
   std::size_t index_of(std::uint64_t id) const;
   void find_abscissae();
-  void retract();
+  void retract(bool blocked);
   void readvance();
   std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
   std::string fill_bite(Real exit);
@@ -117,7 +117,7 @@ class Channel {
   std::size_t passed_ = 0;
   Real end_depth_ = 0;
   Real ahead_ = 0;  ///< the mouth of the open bite, of the tip (m)
-  Real lead_ = 0;   ///< how far it may be ahead: as far as it was when it was pierced (m)
+  Real lead_ = 0;   ///< how far it may be ahead: as far as it was when pierced or blocked (m)
   bool got_out_ = false;
   EmbeddedPoint end_;
   std::uint64_t next_id_ = 0;

@@ -21,15 +21,23 @@ class Footprint {
  public:
   /// Makes room for its points, so that nothing is allocated in a step.
   Footprint();
-  /// On `surface`, at the start of a step, for a force of at most `force` (N). tip_radius 0: that
-  /// of the disc.
-  void find(const SolidBody& tissue, const SurfacePoint& surface, Real tip_radius,
-            Real shaft_radius, Real force);
+  struct Pressing {
+    Real tip_radius = 0;    ///< 0: that of the disc
+    Real shaft_radius = 0;  ///< m
+    Real force = 0;         ///< at most (N)
+  };
+  /// On `surface`, at the start of a step. Points are laid out over the tissue as it is then, or as
+  /// it is at rest: under a tent a disc has no other shape.
+  void find(const SolidBody& tissue, const SurfacePoint& surface, const Pressing& tip,
+            Configuration shape);
   /// A single point, without compliance.
   void find(const SurfacePoint& surface);
-  /// After `find`, where the tip presses already: the point under the tip is there (m, at the start
-  /// of the step), so that the gap goes on where it was although the tissue has bent.
-  void put_under(const Vec3& tip, const SolidBody& tissue);
+  /// A tip that presses has slid `from` one point of the surface `to` another: the footprint slides
+  /// along in the tissue. The point under the tip is `under` it now (m, at the start of the step),
+  /// and as high over the mean of the footprint as before: how deep the tip has got depends on
+  /// where it is, not on the way that it took.
+  void slide(const SolidBody& tissue, const SurfacePoint& from, const SurfacePoint& to,
+             const Vec3& under, const Pressing& tip);
 
   void archive(Archive& archive);
 
@@ -45,8 +53,11 @@ class Footprint {
               const Mat3& directions, const Vec3& at) const;
 
  private:
+  void fit(const SolidBody& tissue, const SurfacePoint& surface, const Pressing& tip);
+
   std::vector<SurfacePoint> points_;  ///< of equal weight
   Vec3 offset_ = Vec3::Zero();        ///< from their mean to the point under the tip
+  Real disc_ = 0;                     ///< its radius (m)
   Real compliance_ = 0;
   Real bears_ = 0;
 };

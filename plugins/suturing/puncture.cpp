@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "puncture_law.h"
 #include "sutura/archive.h"
@@ -114,66 +115,96 @@ void Puncture::detect(const StepContext& context) {
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
   path_->set_tip_blocked(blocked_);
-  if (front_ == Front::none && context.pass > 0 && meet_on_the_way()) lay_footprint();
-  if (front_ != Front::none && front_ != Front::overrun) follow_front();
+  const bool meets = front_ == Front::none && context.pass > 0 && meet_on_the_way();
+  if (meets) lay_footprint();
+  if (meets || context.pass == 0) find_far_side();
+  if (front_ != Front::none && front_ != Front::overrun) follow(front_, footprint_, touched_);
+  if (far_side_.is_near) follow(Front::exit, far_side_.footprint, far_side_.touched);
 }
 
 void Puncture::lay_footprint() {
   if (front_ == Front::layer)
     footprint_.find(touched_);
   else
-    footprint_.find(path_->tissue(), touched_, tip_radius_, path_->thread().radius(0),
-                    threshold_of_front());
+    lay(footprint_, front_, touched_);
 }
 
-Real Puncture::threshold_of_front() const {
-  if (front_ == Front::exit && exit_threshold_ > 0) return exit_threshold_;
-  return threshold_of(path_->tissue().region(touched_.at), threshold_);
+/// A tip that comes to an exit may have brought a tent with it. A wound may stand open, and what
+/// lies beside an entry at rest may be far away.
+void Puncture::lay(Footprint& footprint, Front front, const SurfacePoint& touched) const {
+  const auto shape = front == Front::exit ? Configuration::rest : Configuration::start;
+  footprint.find(path_->tissue(), touched, pressing(front, touched), shape);
+}
+
+Footprint::Pressing Puncture::pressing(Front front, const SurfacePoint& touched) const {
+  return {.tip_radius = tip_radius_,
+          .shaft_radius = path_->thread().radius(0),
+          .force = threshold_at(front, touched)};
+}
+
+Real Puncture::threshold_at(Front front, const SurfacePoint& touched) const {
+  if (front == Front::exit && exit_threshold_ > 0) return exit_threshold_;
+  return threshold_of(path_->tissue().region(touched.at), threshold_);
 }
 
 /// The surface point and its normal at the present guess.
-void Puncture::follow_front() {
+void Puncture::follow(Front front, const Footprint& footprint, SurfacePoint& touched) const {
   const SolidBody& tissue = path_->tissue();
-  touched_.position = footprint_.position(tissue, Configuration::current);
-  if (front_ == Front::layer)
-    touched_.normal = path_->thread().tangent(0, Configuration::current);
+  touched.position = footprint.position(tissue, Configuration::current);
+  if (front == Front::layer)
+    touched.normal = path_->thread().tangent(0, Configuration::current);
   else
-    touched_.normal =
-        footprint_.normal(tissue, Configuration::current) * (front_ == Front::exit ? -1 : 1);
+    touched.normal =
+        footprint.normal(tissue, Configuration::current) * (front == Front::exit ? -1 : 1);
 }
 
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
-  block_ = {};
+  block_ = far_side_.block = {};
   force_ = 0;
   if (front_ == Front::none || front_ == Front::overrun) return;
+  threshold_here_ = threshold_at(front_, touched_);
+  block_ = add_block(builder, front_, footprint_, touched_, count_);
+  // Once the guess is through, and not before: beside an edge a plane would hold a tip that slides
+  // past it. The key is that of the next step, in which the tip faces it.
+  const Vec3 tip = path_->thread().point(0, Configuration::current);
+  const Real above = touched_.normal.dot(tip - touched_.position);
+  const Real dent = footprint_.compliance() * threshold_here_;
+  if (far_side_.is_near && above < -dent - arrived * reach_)
+    far_side_.block =
+        add_block(builder, Front::exit, far_side_.footprint, far_side_.touched, count_ + 1);
+}
+
+BlockId Puncture::add_block(ConstraintBuilder& builder, Front front, const Footprint& footprint,
+                            const SurfacePoint& touched, Index count) const {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, Configuration::current);
 
   PunctureLaw::Params params;
-  params.normal = touched_.normal;
+  params.normal = touched.normal;
   params.axis = -thread.tangent(0, Configuration::current);
-  params.puncture_force = threshold_of_front();
-  threshold_here_ = params.puncture_force;
-  params.cutting_force = front_ != Front::exit && cutting_ ? cutting_->threshold(touched_.at) : 0;
+  params.puncture_force = threshold_at(front, touched);
+  params.cutting_force = front != Front::exit && cutting_ ? cutting_->threshold(touched.at) : 0;
   // What goes in during the step of the puncture itself has no sample yet that could drag on it.
-  params.drag = front_ != Front::exit && drag_ ? drag_->needle_resistance(touched_.at) : 0;
-  params.hold = front_ != Front::exit;
-  params.friction = front_ == Front::layer ? 0 : friction_;
+  params.drag = front != Front::exit && drag_ ? drag_->needle_resistance(touched.at) : 0;
+  params.hold = front != Front::exit;
+  params.friction = front == Front::layer ? 0 : friction_;
   // From inside there is no room for a tip beyond the surface: the near field of an exit is left
   // out.
-  params.compliance = front_ == Front::entry ? footprint_.compliance() : 0;
+  params.compliance = front == Front::entry ? footprint.compliance() : 0;
 
-  const Vec3 gap = tip - touched_.position;
+  const Vec3 gap = tip - touched.position;
   // Every front has a key of its own, so that it does not begin in the mode of the one before.
-  const auto front = static_cast<std::uint64_t>(8 * count_) + static_cast<std::uint64_t>(front_);
-  block_ = builder.add<PunctureLaw>(make_key(source_id_, front), params, BlockVector<3>(gap),
-                                    PunctureLaw::pressing, {.force = params.puncture_force});
+  const auto number = static_cast<std::uint64_t>(8 * count) + static_cast<std::uint64_t>(front);
+  const BlockId block =
+      builder.add<PunctureLaw>(make_key(source_id_, number), params, BlockVector<3>(gap),
+                               PunctureLaw::pressing, {.force = params.puncture_force});
   const Directions world = Mat3::Identity();
   PointJacobian J;
   thread.jacobian(0, J);
-  builder.couple(block_, thread, world, J, tip);
-  footprint_.couple(builder, block_, tissue, -Mat3::Identity(), tip);
+  builder.couple(block, thread, world, J, tip);
+  footprint.couple(builder, block, tissue, -Mat3::Identity(), tip);
+  return block;
 }
 
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
@@ -182,11 +213,10 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
     begin_bite();
   }
   overloads_ = false;
+  let_out_ = false;
   if (!block_.valid()) presses_ = false;
   if (block_.valid()) commit_front(solved);
-  const bool let_out =
-      front_ == Front::exit && block_.valid() && solved.mode(block_) == PunctureLaw::penetrated;
-  got_out_ = path_->channel().got_out() && !let_out;
+  got_out_ = path_->channel().got_out() && !let_out_;
   if (got_out_) ++overruns_;
 }
 
@@ -224,6 +254,7 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
   switch (front_) {
     case Front::entry:
       begin_bite();
+      if (far_side_.block.valid()) commit_far_side(solved);
       break;
     case Front::layer:
       channel.record();
@@ -231,11 +262,33 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
       break;
     case Front::exit:
       if (channel.tip_inside()) channel.leave(touched_.at);
+      let_out_ = true;
       break;
     case Front::none:
     case Front::overrun:
       break;
   }
+}
+
+/// The tip has gone in, and on to the far side: it presses there, or is through that too.
+void Puncture::commit_far_side(const SolvedBlocks& solved) {
+  const bool goes_through = solved.mode(far_side_.block) == PunctureLaw::penetrated;
+  const Real force = goes_through ? threshold_at(Front::exit, far_side_.touched)
+                                  : far_side_.touched.normal.dot(solved.force(far_side_.block));
+  if (!(force > 0)) return;
+  peak_force_ = std::max(peak_force_, force);
+  overloads_ = overloads_ || force > (1 + rounding) * far_side_.footprint.bears();
+  if (goes_through) {
+    ++count_;
+    if (path_->channel().tip_inside()) path_->channel().leave(far_side_.touched.at);
+    let_out_ = true;
+    return;
+  }
+  presses_ = true;
+  lifted_ = false;
+  place_ = Front::exit;
+  touched_ = far_side_.touched;
+  std::swap(footprint_, far_side_.footprint);
 }
 
 void Puncture::begin_bite() {

@@ -33,6 +33,8 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   void find_front();
   void search_front();
   void lay_footprint();
+  void lay(Footprint& footprint, Front front, const SurfacePoint& touched) const;
+  Footprint::Pressing pressing(Front front, const SurfacePoint& touched) const;
   bool keeps_place();
   bool is_free(Real above);
   bool is_past_edge(const Vec3& normal, Real apart) const;
@@ -43,10 +45,14 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   bool is_beside(Real reach) const;
   Front find_exit();
   Front find_layer();
+  void find_far_side();
   void commit_front(const SolvedBlocks& solved);
+  void commit_far_side(const SolvedBlocks& solved);
   void begin_bite();
-  void follow_front();
-  Real threshold_of_front() const;
+  void follow(Front front, const Footprint& footprint, SurfacePoint& touched) const;
+  BlockId add_block(ConstraintBuilder& builder, Front front, const Footprint& footprint,
+                    const SurfacePoint& touched, Index count) const;
+  Real threshold_at(Front front, const SurfacePoint& touched) const;
 
   Link<SuturePath> path_;
   Link<Cutting> cutting_;
@@ -65,11 +71,21 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Front place_ = Front::none;  ///< which of the two
   bool lifted_ = false;        ///< but it bore no force in the last step
   SurfacePoint touched_;       ///< normal: out of what the tip would go into
-  int region_ = 0;             ///< of the layer the tip has got into
+  /// The surface behind an entry. Through something thin the tip would be past it in the step in
+  /// which it goes in.
+  struct FarSide {
+    bool is_near = false;  ///< so near that the tip may get there in this step
+    SurfacePoint touched;
+    Footprint footprint;
+    BlockId block;
+  };
+  FarSide far_side_;
+  int region_ = 0;  ///< of the layer the tip has got into
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far
   Index overruns_ = 0;
+  bool let_out_ = false;    ///< through the surface in the last step
   bool got_out_ = false;    ///< in the last step, without a puncture
   bool overloads_ = false;  ///< what it presses on, in the last step
   Real force_ = 0;          ///< along the normal (N)

@@ -22,7 +22,9 @@ constexpr Configuration start = Configuration::start;
 }  // namespace
 
 void Puncture::find_front() {
-  if (presses_ && keeps_place()) return;
+  // It presses from the side on which it is.
+  const bool stays = presses_ && path_->channel().tip_inside() == (place_ == Front::exit);
+  if (stays && keeps_place()) return;
   search_front();
   if (front_ == Front::none || front_ == Front::overrun) return;
   lay_footprint();
@@ -59,13 +61,13 @@ bool Puncture::keeps_place() {
   front_ = past ? Front::none : place_;
   const Vec3 slid = way - way.dot(n) * n;
   if (slid.norm() > still_there * reach_) {
+    const SurfacePoint before = touched_;
     if (const auto to = tissue.closest_surface(from + slid, 2 * slid.norm(), start, n))
       touched_ = *to;
-    lay_footprint();
-    footprint_.put_under(tip - way.dot(n) * n, tissue);
+    footprint_.slide(tissue, before, touched_, tip, pressing(front_, touched_));
   }
   touched_.position = footprint_.position(tissue, start);
-  touched_.normal = side * n;
+  touched_.normal = side * footprint_.normal(tissue, start);
   return true;
 }
 
@@ -189,6 +191,23 @@ Puncture::Front Puncture::find_exit() {
   touched_ = *hit;
   touched_.normal = -hit->normal;
   return Front::exit;
+}
+
+/// What the tip would come out of if it went in now, as far as the tissue springs back over it.
+void Puncture::find_far_side() {
+  far_side_.is_near = false;
+  if (front_ != Front::entry) return;
+  const CurveBody& thread = path_->thread();
+  const SolidBody& tissue = path_->tissue();
+  const Vec3 forward = -thread.tangent(0, start);
+  const Vec3 from = tissue.position(touched_.at, start);
+  const Real dent = (from - tissue.position(touched_.at, Configuration::rest)).norm();
+  const Real motion = (thread.point(0, Configuration::current) - thread.point(0, start)).norm();
+  const auto hit = tissue.crossing(from, from + (reach_ + motion + dent) * forward, start, forward);
+  if (!hit) return;
+  far_side_.touched = *hit;
+  lay(far_side_.footprint, Front::exit, *hit);
+  far_side_.is_near = far_side_.footprint.normal(tissue, start).dot(forward) > along;
 }
 
 /// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the

@@ -49,19 +49,39 @@ TextRun needle_into(const Block& b, Real dt) {
       "gravity='0 0 -9.81' dt='" + text(dt) + " s'");
 }
 
-/// A force on the footprint of the tip dents a half space by 16 (1 - nu^2) F / (3 pi^2 A E)
-/// (footprint.h). The block is twelve of the footprint's radii long, five wide and three thick, and
-/// the dent two thirds of the radius deep: a quarter is allowed for all that.
+/// What the block bears where nothing slides: a straight needle pressed down (N).
+Real borne_by(const Block& b, Real depth) {
+  const auto text = [](Real x) { return std::to_string(x); };
+  TextRun run("<BlockMesh box='-15 -8 -10  15 8 0 mm' cells='12 6 5'/><Tissue young='" +
+                  text(b.young) + " Pa' poisson='" + text(b.poisson) +
+                  "' damping_stiffness='10 ms'/><Attach box='-15 -8 -10  15 8 -10 mm'/>"
+                  "<SutureThread needle_length='20 mm' needle_angle='0' needle_diameter='0.65 mm' "
+                  "tip='-6 0 0 mm' tip_direction='0 0 -1' plane_normal='0 1 0' "
+                  "thread_length='20 mm' thread_beams='10'/><Track times='0 0.5 s' positions="
+                  "'0 0 0  0 0 -" +
+                  text(1e3 * depth) +
+                  " mm'/><Grasper at='10 mm'/><Puncture name='puncture' threshold='" +
+                  text(b.threshold) + " N'/><SuturePath/>",
+              "gravity='0 0 -9.81' dt='10 ms'");
+  EXPECT_TRUE(run) << run.said();
+  run.run(0.8);
+  return run.number("/puncture", "force");
+}
+
+/// A tip that slides on the surface bears as much as one that is pressed straight down as deep: a
+/// tenth is allowed for the tilt of the needle, which comes at 30 degrees to the vertical. (Some
+/// elements are nearly as wide as the footprint, so that is a third more than what a half space
+/// bears with a dent of 16 (1 - nu^2) F / (3 pi^2 A E), footprint.h; from three times finer ones it
+/// is a seventh less.)
 ///
 /// Before, a tip that lost its force for a step was let through the surface by up to a millimetre,
 /// and one whose place was sought anew was hit by the surface: single steps of 0.10, 0.16 and
-/// 0.24 N at 2, 1 and 0.5 ms. Where the threshold was reached in one of them the tip went in.
-TEST(SoftTissue, BearsTheTipAsAHalfSpaceAtAnyStep) {
+/// 0.24 N at 2, 1 and 0.5 ms. Where the threshold was reached in one of them the tip went in. Then
+/// the tip got in a little with every slide: 0.065 N.
+TEST(SoftTissue, BearsATipThatSlidesAsOneThatDoesNot) {
   const Block block{4400, 0.22, 0.257, 0.257, 0.03, 35, 0.45};
   const Real disc = 10 * needle_radius;  // as wide as a footprint may be
   ASSERT_GT(block.threshold, 0.3 * std::numbers::pi * disc * disc * block.young);
-  const Real stiffness = 3 * std::numbers::pi * std::numbers::pi * disc * block.young /
-                         (16 * (1 - block.poisson * block.poisson));
   for (const Real dt : {4e-3, 1e-3, 0.5e-3}) {
     TextRun run = needle_into(block, dt);
     ASSERT_TRUE(run) << run.said();
@@ -76,9 +96,10 @@ TEST(SoftTissue, BearsTheTipAsAHalfSpaceAtAnyStep) {
       before = force;
     }
     EXPECT_EQ(run.number("/puncture", "punctures"), 0) << dt;
-    EXPECT_NEAR(peak, stiffness * deepest, 0.25 * stiffness * deepest) << dt;
+    const Real borne = borne_by(block, deepest);
+    EXPECT_NEAR(peak, borne, 0.1 * borne) << dt;
     // As the tip slides, the points of its footprint come to lie on other triangles.
-    EXPECT_LT(jump, 0.15 * stiffness * deepest) << dt;
+    EXPECT_LT(jump, 0.1 * borne) << dt;
   }
 }
 
