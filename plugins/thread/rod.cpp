@@ -24,8 +24,9 @@ Vec3 counted(const Vec3& turn, const Vec3& expected) {
 }  // namespace
 
 Vec3 NodeSpring::turn_at(const Quat& start, const Vec3& motion, const Quat& section) const {
+  const Vec3 along = section * (start.conjugate() * turn);  // it goes with the section
   const Vec3 of_target = rotation_between(rotated(start, turn), target.rotation);
-  return counted(rotation_between(section, target.rotation), turn + of_target - motion);
+  return counted(rotation_between(section, target.rotation), along + of_target - motion);
 }
 
 Wrench NodeSpring::wrench(const Pose& p, const Vec3& turned_by) const {
