@@ -126,12 +126,12 @@ def draw_map(rows, path):
                 colour = "lightgrey" if math.isnan(share) else plot.cm.RdYlGn_r(min(1, share / 50))
                 axis.add_patch(plot.Rectangle((x + half, y), 0.5, 1, color=colour, linewidth=0))
                 if not math.isnan(share):
-                    axis.text(x + half + 0.25, y + 0.5, f"{share:.0f}", ha="center", va="center", fontsize=8)
+                    axis.text(x + half + 0.25, y + 0.5, f"{share:.0f}{'' if row['complete'] else '*'}", ha="center", va="center", fontsize=8)
         axis.set(xlim=(0, len(SPEEDS)), ylim=(0, len(STEPS)), title=f"friction {friction}", xlabel="speed of the hand [mm/s]")
         axis.set_xticks([i + 0.5 for i in range(len(SPEEDS))], [str(s) for s in SPEEDS])
         axis.set_yticks([i + 0.5 for i in range(len(STEPS))], [str(s) for s in STEPS])
     axes[0].set_ylabel("step [ms]")
-    figure.suptitle("Overhand knot: steps that miss their tolerance, in %; left until e = 27 diameters, right from there to 16", fontsize=10)
+    figure.suptitle("Overhand knot: steps that miss their tolerance, in %; left until e = 27 diameters, right from there to 16 (*: cut off)", fontsize=10)
     figure.tight_layout()
     figure.savefig(path, dpi=100)
 
