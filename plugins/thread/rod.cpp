@@ -6,35 +6,52 @@
 #include <numbers>
 
 #include "element_mass.h"
+#include "sutura/geometry/rolling.h"
 
 namespace sutura::thread {
 
 namespace {
 
-/// Of the rotation vectors that differ from `turn` by whole turns about its axis, the one nearest
-/// to `expected`.
-Vec3 counted(const Vec3& turn, const Vec3& expected) {
-  constexpr Real whole = 2 * std::numbers::pi;
-  const Real angle = turn.norm();
-  if (angle < 1e-9 && expected.norm() < whole / 2) return turn;
-  const Vec3 axis = angle < 1e-9 ? expected.normalized() : Vec3(turn / angle);
-  return turn + whole * std::round((expected.dot(axis) - angle) / whole) * axis;
+/// The shortest turn from one tangent to another (rad).
+Vec3 tilt_between(const Vec3& from, const Vec3& to) {
+  const Vec3 across = from.cross(to);
+  const Real sine = across.norm();
+  return sine > 0 ? Vec3(std::atan2(sine, from.dot(to)) / sine * across) : Vec3::Zero();
 }
 
 }  // namespace
 
-Vec3 NodeSpring::turn_at(const Quat& start, const Vec3& motion, const Quat& section) const {
-  const Vec3 along = section * (start.conjugate() * turn);  // it goes with the section
-  const Vec3 of_target = rotation_between(rotated(start, turn), target.rotation);
-  return counted(rotation_between(section, target.rotation), along + of_target - motion);
+Real NodeSpring::counted(Real mod_turn) const {
+  constexpr Real whole = 2 * std::numbers::pi;
+  return mod_turn + whole * std::round((roll - mod_turn) / whole);
 }
 
-Wrench NodeSpring::wrench(const Pose& p, const Vec3& turned_by) const {
-  return {stiffness.translation * (target.position - p.position), stiffness.rotation * turned_by};
+Real NodeSpring::roll_at(const Quat& start, const Vec3& motion) const {
+  const Vec3 along = start * Vec3::UnitX();
+  const Real rolled = motion.dot(along);
+  const Quat only_tilted = turned(start, motion - rolled * along);
+  return counted(roll_between(only_tilted, target.rotation)) - rolled;
 }
 
-Wrench NodeSpring::wrench(const Pose& p) const {
-  return wrench(p, counted(rotation_between(p.rotation, target.rotation), turn));
+/// A roll that goes with the shortest turn between tangents a and b changes by a spin about
+/// (a + b) / (1 + a.b).
+Wrench NodeSpring::wrench(const Pose& section, Real rolled) const {
+  Wrench w{stiffness.translation * (target.position - section.position), Vec3::Zero()};
+  if (stiffness.rotation == 0) return w;
+  const Vec3 a = tangent(section), b = tangent(target);
+  w.moment = stiffness.rotation * (tilt_between(a, b) + rolled / (1 + a.dot(b)) * (a + b));
+  return w;
+}
+
+Real NodeSpring::energy(const Pose& section, Real rolled) const {
+  const Real tilted = tilt_between(tangent(section), tangent(target)).squaredNorm();
+  return (stiffness.translation * (target.position - section.position).squaredNorm() +
+          stiffness.rotation * (tilted + rolled * rolled)) /
+         2;
+}
+
+Wrench NodeSpring::wrench(const Pose& section) const {
+  return wrench(section, counted(roll_between(section.rotation, target.rotation)));
 }
 
 void Rod::build(const RodLayout& layout) {
@@ -181,7 +198,7 @@ void Rod::archive(Archive& a) {
     each("target", s.target);
     each("translation", s.stiffness.translation);
     each("rotation", s.stiffness.rotation);
-    each("turn", s.turn);
+    each("roll", s.roll);
     each("applied", s.applied);
   });
   if (pose_.size() != nodes || velocity_.size() != dofs() || twist_.size() + 1 != nodes ||

@@ -22,23 +22,28 @@ struct RodLayout {
   std::vector<Section> sections;  ///< one per beam
 };
 
-/// A section tied to a pose by a spring (Hold of a grasper). How far the target is turned against
-/// the section is counted over whole turns, as the spring remembers them.
+/// A section tied to a pose by a spring (Hold of a grasper). The turn from the section to the
+/// target is a tilt, the shortest from tangent to tangent, and a roll about them, counted over
+/// whole turns.
 struct NodeSpring {
   Index node = 0;
   bool active = false;
   Pose target;
   HoldStiffness stiffness;
-  Vec3 turn = Vec3::Zero();  ///< from the section to the target, at the end of the last step (rad)
-  Wrench applied;            ///< on the rod, at the end of the last step
+  Real roll = 0;   ///< at the end of the last step (rad)
+  Wrench applied;  ///< on the rod, at the end of the last step
 
-  /// The turn from the section to the target when the section, which began the step as `start`, has
-  /// turned by `motion` since then (see `turned`) to be as `section`. All rad, world axes.
-  Vec3 turn_at(const Quat& start, const Vec3& motion, const Quat& section) const;
-  /// On a section with that pose, from which the target is turned by `turn`.
-  Wrench wrench(const Pose& section, const Vec3& turn) const;
-  /// Likewise, for a section that has not moved by half a turn since `turn` was taken.
+  /// The roll when the section, which began the step as `start`, has turned by `motion` since then
+  /// (see `turned`; rad). The target turns by less than half a turn in a step.
+  Real roll_at(const Quat& start, const Vec3& motion) const;
+  /// On a section with that pose and roll: minus the derivative of the energy.
+  Wrench wrench(const Pose& section, Real roll) const;
+  Real energy(const Pose& section, Real roll) const;
+  /// Likewise, where the roll is within half a turn of that at the end of the last step.
   Wrench wrench(const Pose& section) const;
+
+ private:
+  Real counted(Real roll) const;
 };
 
 class Rod {

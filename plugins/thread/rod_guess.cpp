@@ -109,10 +109,9 @@ void RodGuess::move(Rod& rod, const RodStart& start) {
   evaluate(rod, start);
 }
 
-Vec3 RodGuess::turn(const Rod& rod, const NodeSpring& spring) const {
+Real RodGuess::roll(const Rod& rod, const NodeSpring& spring) const {
   const Index i = spring.node;
-  return spring.turn_at(rod.poses(Configuration::start)[i].rotation, motion.segment<3>(6 * i + 3),
-                        rod.poses()[i].rotation);
+  return spring.roll_at(rod.poses(Configuration::start)[i].rotation, motion.segment<3>(6 * i + 3));
 }
 
 bool RodGuess::goes_straight(const Rod& rod, Index node) const {

@@ -86,9 +86,9 @@ struct RodGuess {
   void take_tension();
   /// Of the spring, on the section that it holds.
   Wrench wrench(const Rod& rod, const NodeSpring& spring) const {
-    return spring.wrench(rod.poses()[spring.node], turn(rod, spring));
+    return spring.wrench(rod.poses()[spring.node], roll(rod, spring));
   }
-  Vec3 turn(const Rod& rod, const NodeSpring& spring) const;
+  Real roll(const Rod& rod, const NodeSpring& spring) const;
   /// Where it is held or pushed; of a rigid stretch, the leader says so for all.
   bool goes_straight(const Rod& rod, Index node) const;
 

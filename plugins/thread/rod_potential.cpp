@@ -27,13 +27,8 @@ Real potential(const Rod& rod, const RodStart& start, const RodGuess& guess) {
     const Real lever = rod.is_cut(e) ? 0 : r.length / 12;
     if (!falls) sum -= r.mass * start.gravity.dot(dt / 2 * (v.va + v.vb) + lever * (s.ta - s.tb));
   }
-  for (const NodeSpring& spring : rod.springs()) {
-    if (!spring.active) continue;
-    const Wrench w = guess.wrench(rod, spring);
-    sum += w.force.squaredNorm() / (2 * spring.stiffness.translation);
-    if (spring.stiffness.rotation > 0)
-      sum += w.moment.squaredNorm() / (2 * spring.stiffness.rotation);
-  }
+  for (const NodeSpring& spring : rod.springs())
+    if (spring.active) sum += spring.energy(rod.poses()[spring.node], guess.roll(rod, spring));
   sum -= start.load.dot(guess.motion);
   for (Index i = 0; i < rod.nodes(); ++i) sum -= guess.force.work(rod, i, guess.motion);
   return sum;

@@ -182,8 +182,8 @@ void RodStep::end(Rod& rod, const Dofs& force) {
     guess_.force.at.setZero();
   for (NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
-    spring.turn = guess_.turn(rod, spring);
-    spring.applied = spring.wrench(rod.poses()[spring.node], spring.turn);
+    spring.roll = guess_.roll(rod, spring);
+    spring.applied = spring.wrench(rod.poses()[spring.node], spring.roll);
   }
   in_step_ = false;
 }

@@ -229,7 +229,7 @@ void SutureThread::set_hold(Index hold, const Pose& target, const HoldStiffness&
 void SutureThread::release_hold(Index hold) {
   NodeSpring& spring = rod_.springs()[hold];
   spring.active = false;
-  spring.turn.setZero();
+  spring.roll = 0;
   spring.applied = {};
 }
 

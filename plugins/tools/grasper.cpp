@@ -15,7 +15,8 @@ void Grasper::describe(Describe<Grasper>& d) {
       "pose of the section relative to the tool is recorded, so nothing jumps. While they are "
       "closed the section is tied to *tool pose at the end of the step* times *that relative "
       "pose* by the implicit spring of CurveBody::set_hold: six stiffnesses, three in "
-      "translation and three in rotation, which count whole turns. The force read out is what this "
+      "translation and three in rotation, of which roll counts whole turns. The force read out is "
+      "what this "
       "spring applied to the curve over the step.");
   d.link("body", &Grasper::body_, "The needle and thread.");
   d.link("track", &Grasper::track_, "The motion of the tool.");

@@ -67,12 +67,14 @@ TEST(TurningHands, ThereAndBackInTwoSteps) {
 }
 
 // A grip that gives way and the thread are two torsion springs in series: M = angle / (1 / k + L /
-// GJ), with GJ = G pi d^4 / 32.
+// GJ), with GJ = G pi d^4 / 32. At a lag of whole turns the rotation from section to target is
+// none, and a rotation vector that is counted by its length had no axis to count along: of five
+// turns two got lost.
 TEST(TurningHands, ASoftGripIsTurnedPastHalfATurn) {
   constexpr Real k = 1e-7, length = 0.05, diameter = 0.2e-3;
   constexpr Real shear = 1.5e9 / (2 * 1.4);
   const Real torsion = shear * std::numbers::pi * std::pow(diameter, 4) / 32;
-  for (const Real degrees : {150., 250., 1000.}) {
+  for (const Real degrees : {150., 250., 1000., 1800.}) {
     TextRun run(
         "<SutureThread name='a' needle_length='0' tip_direction='-1 0 0' thread_length='50 mm' "
         "thread_diameter='0.2 mm' thread_beams='20' thread_young='1.5 GPa' thread_poisson='0.4' "
@@ -87,7 +89,7 @@ TEST(TurningHands, ASoftGripIsTurnedPastHalfATurn) {
   }
 }
 
-// Fine threads drawn taut across their grips: the force times a beam's length is up to a million
+// Fine threads drawn taut across their grips: the force times a beam's length is thousands of
 // times GJ over it. Twisted by 20 degrees, they have that twist all along.
 TEST(TurningHands, FineTautThreadsAreTwistedAllAlong) {
   struct Case {
