@@ -123,7 +123,7 @@ def draw_map(rows, path):
         for row in (r for r in rows if r["friction"] == friction):
             x, y = SPEEDS.index(row["speed"]), STEPS.index(row["dt"])
             for half, share in ((0, row["missed_loose"]), (0.5, row["missed_tight"])):
-                colour = "lightgrey" if math.isnan(share) else plot.cm.RdYlGn_r(min(1, share / 50))
+                colour = "lightgrey" if math.isnan(share) else plot.cm.RdYlGn_r(min(1.0, share / 50))
                 axis.add_patch(plot.Rectangle((x + half, y), 0.5, 1, color=colour, linewidth=0))
                 if not math.isnan(share):
                     axis.text(x + half + 0.25, y + 0.5, f"{share:.0f}{'' if row['complete'] else '*'}", ha="center", va="center", fontsize=8)
