@@ -61,6 +61,9 @@ struct StepReport {
   /// finest division counts.
   Index parts = 1;
   bool solved = true;  ///< every part met the tolerances
+  /// Of the steps so far, this one included: not solved, or with faults. Part of the state, so a
+  /// run that goes on from a state knows what the run before it missed.
+  Index missed_steps = 0;
   Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
   std::vector<BodyReport> bodies;  ///< in the order of Simulation::bodies
   bool finite = true;
@@ -92,6 +95,7 @@ class Driver {
 
 class Simulation;
 class OutputFolder;
+struct Chunk;
 class LawCheck;
 class BestGuess;
 class BetterGuess;
@@ -137,7 +141,7 @@ class Simulation {
   /// `failure`, also one of a component that throws while it is saved.
   std::vector<std::byte> save();
   /// What keeps the state from being restored (damage, another scene, another build), in a
-  /// sentence, or empty. All of that is found before anything is changed.
+  /// sentence, or empty. Then nothing is changed; if a component throws, a `failure`.
   std::string restore(std::span<const std::byte> state);
   /// The same to and from a file. Killed while it writes, it leaves the file that was there before.
   std::string save(const std::filesystem::path& file);
@@ -165,7 +169,8 @@ class Simulation {
   template <class Call>
   std::string with_state(const char* when, const Call& call);
   std::vector<std::byte> state_now();
-  std::string read_state(std::span<const std::byte> state);
+  std::string check_state(std::span<const std::byte> state, std::vector<Chunk>& chunks) const;
+  std::string read_state(const std::vector<Chunk>& chunks);
   bool settle(Diagnostics& diagnostics);
   using Timer = StageTimer<Stage, stage_names.size()>;
   /// Notes who is at work, so that one that throws can be named.
@@ -186,6 +191,7 @@ class Simulation {
   void pass(const StepContext& context, Timer& timer);
   void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);
+  void check_gaps();
   void solve();
   bool measure(const StepContext& context);
   bool is_short_enough(const StepContext& context);

@@ -81,6 +81,8 @@ void BlockMesh::initialise(Setup& setup) {
           corners.empty() ? (far ? std::max(box[k], box[k + 3]) : std::min(box[k], box[k + 3]))
                           : corners[3 * i + k];
     }
+  if (!box.empty() && !((corner[7] - corner[0]).minCoeff() > 0))
+    return setup.error(*this, "'box' is flat: its two corners must differ in x, y and z");
   MeshData mesh = build(corner, n);
   if (mesh.tets.empty()) return setup.error(*this, "'holes' leave nothing of the block");
   take(std::move(mesh), "the block", setup);

@@ -5,11 +5,13 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
+#include <span>
 #include <sstream>
 
 #include "app/commands.h"
 #include "app/fmu_description.h"
 #include "app/zip.h"
+#include "runtime/checkpoint_file.h"
 #include "sutura/describe.h"
 #include "sutura/sutura.h"
 
@@ -87,11 +89,17 @@ bool add_files(Contents& contents, const Scene& scene, LoadOptions& options) {
 }
 
 bool write(const Contents& contents, const fs::path& file) {
-  Zip zip(file);
+  std::ostringstream out;
+  Zip zip(out);
   for (const auto& [name, data] : contents) zip.add(name, data);
-  if (zip.finish()) return true;
-  complain("cannot write " + file.string());
-  return false;
+  if (!zip.finish()) {
+    complain("cannot write " + file.string() + ": its contents are too large for a zip file");
+    return false;
+  }
+  const std::string bytes = std::move(out).str();
+  const std::string problem = replace_file(file, std::as_bytes(std::span(bytes)));
+  if (!problem.empty()) complain(problem);
+  return problem.empty();
 }
 
 }  // namespace

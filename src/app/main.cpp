@@ -1,6 +1,8 @@
 // The command line: arguments to the structs of commands.h.
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include "app/commands.h"
@@ -31,6 +33,15 @@ void add_scene(CLI::App& command, SceneArguments& arguments) {
   command.add_flag("--allow-outside", arguments.allow_outside,
                    "Lets the scene write files outside of the output folder");
   add_plugin_path(command, arguments.plugin_directories);
+}
+
+/// What was printed may still wait to be written, and the disk be full.
+int flushed(int code) {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  complain(std::string("cannot write to the standard output: ") +
+           std::strerror(errno != 0 ? errno : EIO));
+  return code == ok ? static_cast<int>(sutura::Category::file) : code;
 }
 
 int dispatch(int argc, char** argv) {
@@ -116,7 +127,7 @@ int dispatch(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return dispatch(argc, argv);
+    return flushed(dispatch(argc, argv));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sutura: internal error: %s\n", error.what());
   } catch (...) {

@@ -21,7 +21,9 @@ __attribute__((format(printf, 2, 3))) void append(std::string& out, const char* 
 }  // namespace
 
 void Summary::add(const StepReport& report) {
-  ++steps_;
+  const bool missed = !report.solved || !report.faults.empty();
+  if (steps_++ == 0) missed_before_ = report.missed_steps - (missed ? 1 : 0);
+  last_step_ = report.step;
   time_ = report.time;
   for (std::size_t i = 0; i < seconds_.size(); ++i) seconds_[i] += report.seconds[i];
   passes_ += report.passes;
@@ -67,9 +69,12 @@ void Summary::count(std::map<std::string, Kind>& kinds, const std::vector<std::s
 
 std::string Summary::text(double wall_seconds) const {
   std::string out;
+  // A run that goes on from a state has not simulated what was before it.
+  const Real simulated =
+      steps_ > 0 ? time_ * static_cast<Real>(steps_) / static_cast<Real>(last_step_) : 0;
   append(out, "%ld step%s, %.4g s simulated in %.4g s", static_cast<long>(steps_),
-         steps_ == 1 ? "" : "s", time_, wall_seconds);
-  if (time_ > 0) append(out, " (%.3g times real time)", wall_seconds / time_);
+         steps_ == 1 ? "" : "s", simulated, wall_seconds);
+  if (simulated > 0) append(out, " (%.3g times real time)", wall_seconds / simulated);
   out += '\n';
   if (steps_ == 0) return out;
 
@@ -109,6 +114,9 @@ std::string Summary::text(double wall_seconds) const {
     append(out, ", violation up to %.2g m, time error up to %.2g m\n", worst_violation_,
            worst_time_error_);
   }
+  if (missed_before_ > 0)
+    append(out, "  MISSED BEFORE: %ld of the %ld steps before this run were less accurate than asked, or faulty\n",
+           static_cast<long>(missed_before_), static_cast<long>(last_step_ - steps_));
   const auto list = [&](const char* title, const std::map<std::string, Kind>& kinds) {
     for (const auto& [text, kind] : kinds) {
       append(out, "  %s in %ld of %ld steps, first in step %ld: ", title,

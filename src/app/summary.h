@@ -17,8 +17,9 @@ class Summary {
   /// A table of stages, the size of the constraint problem, and how well it was solved.
   std::string text(double wall_seconds) const;
   Index steps() const { return steps_; }
-  /// Steps whose result is not as accurate as the scene asks.
-  Index missed() const { return unsolved_ + faulty_; }
+  /// Steps whose result is not as accurate as the scene asks,
+  /// and those that a run before this one missed, from which it goes on.
+  Index missed() const { return missed_before_ + unsolved_ + faulty_; }
 
  private:
   /// The last value, and the largest with its step.
@@ -35,7 +36,9 @@ class Summary {
   };
 
   Index steps_ = 0;
-  Real time_ = 0;
+  Index last_step_ = 0;
+  Real time_ = 0;            ///< s, at the end of the last step
+  Index missed_before_ = 0;  ///< steps before the first one that was added
   Index unsolved_ = 0;  ///< steps that missed a tolerance
   Index first_unsolved_ = 0;
   std::string worst_body_;

@@ -65,7 +65,6 @@ bool Zip::finish() {
   const auto end = static_cast<std::uint64_t>(out_.tellp());
   out_ << little(0x06054b50, 4) << little(0, 4) << little(entries_.size(), 2)
        << little(entries_.size(), 2) << little(end - begin, 4) << little(begin, 4) << little(0, 2);
-  out_.close();
   return fits_ && static_cast<bool>(out_);
 }
 

@@ -3,8 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +12,9 @@ namespace sutura::app {
 
 class Zip {
  public:
-  explicit Zip(const std::filesystem::path& file) : out_(file, std::ios::binary) {}
+  explicit Zip(std::ostream& out) : out_(out) {}
   void add(const std::string& name, std::string_view data);
-  /// Writes the list of files. False if anything could not be written.
+  /// Writes the list of files. False if they do not fit, or the stream has failed.
   bool finish();
 
  private:
@@ -23,7 +22,7 @@ class Zip {
     std::string name;
     std::uint32_t checksum, packed, size, offset;
   };
-  std::ofstream out_;
+  std::ostream& out_;
   std::vector<Entry> entries_;
   bool fits_ = true;
 };

@@ -1,6 +1,7 @@
 // What single stages of the step do, and what the step reports. Their order is in step.cpp.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "base/stage_timer.h"
 #include "runtime/best_guess.h"
@@ -95,6 +96,20 @@ void Simulation::detect(const StepContext& context) {
     }
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) ask(bodies_[i].body).motion(free_motion_[i]);
+}
+
+/// A gap that is no number makes no law and no residual complain: a comparison with it is false.
+/// Where a body is not finite either, the step ends for that.
+void Simulation::check_gaps() {
+  if (problem_.gap.allFinite()) return;
+  for (const NamedBody& b : bodies_)
+    if (!b.body->finite()) return;
+  for (const ConstraintBlock& b : problem_.blocks) {
+    if (problem_.gap.segment(b.first_row, b.law->dim).allFinite()) continue;
+    const std::vector<Component*> components = scene_->components();
+    asked_ = components[static_cast<std::size_t>(source_of(b.key)) - 1];  // numbered from 1
+    throw std::domain_error("the gap of a row is not a finite number");
+  }
 }
 
 /// Events wait: lambda is that of a guess. The report counts them over the whole step.

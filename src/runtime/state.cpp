@@ -2,6 +2,7 @@
 #include "runtime/state.h"
 
 #include <cstdio>
+#include <stdexcept>
 #include <utility>
 
 #include "base/floating_point.h"
@@ -70,6 +71,7 @@ void Simulation::archive_run(Archive& a) {
   a("passes", report_.passes);
   a("parts", report_.parts);
   a("solved", report_.solved);
+  a("missed_steps", report_.missed_steps);
   a("violation", report_.violation);
   for (BodyReport& body : report_.bodies) {
     a("imbalance", body.imbalance.force);
@@ -127,15 +129,27 @@ std::vector<std::byte> Simulation::state_now() {
 std::string Simulation::restore(std::span<const std::byte> state) {
   // What a step has thrown is taken back with the step.
   const auto before = std::exchange(report_.failure, {});
-  std::string problem =
-      with_state("while its state was restored", [&] { return read_state(state); });
+  std::string problem = with_state("while its state was restored", [&] {
+    std::vector<Chunk> chunks;
+    std::string unfit = check_state(state, chunks);
+    if (!unfit.empty() || before) return unfit.empty() ? read_state(chunks) : unfit;
+    // A component may find only while it reads that a state is none of its own. Then all of them
+    // get back what they had.
+    const std::vector<std::byte> now = state_now();
+    unfit = read_state(chunks);
+    if (unfit.empty()) return unfit;
+    std::string damage = check_state(now, chunks);
+    if (damage.empty()) damage = read_state(chunks);
+    if (!damage.empty()) throw std::runtime_error(unfit + "; nor could it be undone: " + damage);
+    return unfit;
+  });
   if (!problem.empty() && !report_.failure) report_.failure = before;
   return problem;
 }
 
-std::string Simulation::read_state(std::span<const std::byte> state) {
-  const FloatingPoint mode;
-  std::vector<Chunk> chunks;
+/// What of it can be told before anything is changed; its parts, of all of which the names fit.
+std::string Simulation::check_state(std::span<const std::byte> state,
+                                    std::vector<Chunk>& chunks) const {
   if (std::string problem = unpack_chunks(state, chunks); !problem.empty()) return problem;
   const std::vector<Component*> components = scene_->components();
   if (chunks.size() < 2 || chunks[0].name != "identity") return "not the state of a simulation";
@@ -150,10 +164,18 @@ std::string Simulation::read_state(std::span<const std::byte> state) {
   if (scene != identity_)
     return "saved by another scene, or a file that it reads has changed since";
   if (chunks.size() != components.size() + 2) return "not the state of this scene";
-
-  const auto read = [&chunks](std::size_t i, const std::string& name, const auto& fill) {
+  for (std::size_t i = 1; i < chunks.size(); ++i) {
+    const std::string name = i == 1 ? "run" : components[i - 2]->path();
     if (chunks[i].name != name)
       return "expected the state of " + name + ", found " + chunks[i].name;
+  }
+  return {};
+}
+
+std::string Simulation::read_state(const std::vector<Chunk>& chunks) {
+  const FloatingPoint mode;
+  const std::vector<Component*> components = scene_->components();
+  const auto read = [&chunks](std::size_t i, const std::string& name, const auto& fill) {
     Archive a(chunks[i].data);
     fill(a);
     if (a.finished()) return std::string();

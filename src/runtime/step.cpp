@@ -41,6 +41,7 @@ void Simulation::take_step(Timer& timer) {
   }
   report_.step += 1;
   report_.time = static_cast<Real>(report_.step) * dt;
+  if (!report_.solved || !report_.faults.empty()) ++report_.missed_steps;
 
   // Files. Read-only.
   timer.enter(Stage::record);
@@ -160,6 +161,7 @@ void Simulation::build(const StepContext& context, Timer& timer) {
   report_.blocks = static_cast<Index>(problem_.blocks.size());
   report_.rows = problem_.rows();
   check_rows(problem_, *scene_);
+  check_gaps();
 }
 
 }  // namespace sutura

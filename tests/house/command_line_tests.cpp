@@ -82,6 +82,35 @@ TEST_F(CommandLine, ARunThatMissesItsTolerancesIsFiveUnlessLenient) {
   EXPECT_EQ(command(run + " --lenient").code, 0);
 }
 
+TEST_F(CommandLine, ARunThatGoesOnKnowsWhatWasMissedBefore) {
+  const std::string hasty = "run '" SUTURA_SOURCE_DIR
+                            "/scenes/components/SutureThread.xml' --set .tolerance=1e-12 "
+                            "--set '.dt=10 ms'" +
+                            output();
+  EXPECT_EQ(command(hasty + " --steps 4 --checkpoint-every 1us").code, 5);
+  const std::string state = (folder_.path() / "out/checkpoint.sutura").string();
+  const Outcome on = command(hasty + " --steps 6 --resume '" + state + "'");
+  EXPECT_EQ(on.code, 5) << on.text;
+  EXPECT_NE(on.text.find("MISSED BEFORE: 4 of the 4 steps"), std::string::npos) << on.text;
+  EXPECT_NE(on.text.find("6 steps are less accurate"), std::string::npos) << on.text;
+  EXPECT_NE(on.text.find(": 2 steps, 0.02 s simulated"), std::string::npos) << on.text;
+}
+
+TEST_F(CommandLine, WhatCannotBePrintedIsThree) {
+  EXPECT_EQ(command("describe --xsd > /dev/full").code, 3);
+  EXPECT_EQ(command("check '" + probe + "' > /dev/full").code, 3);
+}
+
+TEST_F(CommandLine, AnFmuThatCannotBeWrittenLeavesTheOneBefore) {
+  const fs::path file = folder_.path() / "model.fmu";
+  std::ofstream(file) << "the one before";
+  fs::create_directory(file.string() + ".part");  // in the way of what is written first
+  const Outcome out = command("fmu '" + probe + "' --output '" + file.string() + "'");
+  EXPECT_EQ(out.code, 3);
+  EXPECT_NE(out.text.find("Is a directory"), std::string::npos) << out.text;
+  EXPECT_EQ(read_text(file), "the one before");
+}
+
 TEST_F(CommandLine, CheckWritesNothing) {
   const fs::path before = fs::current_path();
   fs::current_path(folder_.path());

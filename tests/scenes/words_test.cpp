@@ -149,7 +149,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1 1\"/>", "expected 3"},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1.5 1 1\"/>", "whole numbers"},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1000 1000 1000\"/>", "more than 3 000 000"},
-        Wrong{"<BlockMesh box=\"0 0 0 1 1 0\" cells=\"1 1 1\"/>", "the block: "},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 0\" cells=\"1 1 1\"/>", "'box' is flat"},
+        Wrong{"<BlockMesh corners=\"0 0 0 1 0 0 0 1 0 1 1 0 0 0 0 1 0 0 0 1 0 1 1 0\" cells=\"1 1 "
+              "1\"/>",
+              "the block: "},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1 1 1\" holes=\"1 1\"/>", "6 for each hole"},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" holes=\"-1 -1 -1 2 2 "
               "2\"/>",

@@ -77,6 +77,9 @@ class BombPin : public Pin, public Bomb {
     for (Index i = 0; i < blocks; ++i)
       builder.add<Bilateral<3>>(make_key(id, static_cast<std::uint64_t>(i) + 1), {},
                                 BlockVector<3>::Zero());
+    if (in == "gap" && c.step >= 1)
+      builder.add<Bilateral<3>>(make_key(id, 1), {},
+                                BlockVector<3>::Constant(std::numeric_limits<Real>::quiet_NaN()));
   }
   void commit(const StepContext& c, const SolvedBlocks& solved) override {
     pass_by("commit", c.step);
@@ -176,6 +179,13 @@ TEST(AThrowInAStep, NamesTheSource) {
   EXPECT_EQ(pin("detect"),
             "test.xml:2: error: [/b] BombPin asks for more memory than there is, in stage 'detect' "
             "of step 2");
+}
+
+TEST(AGapThatIsNoNumber, NamesTheSourceThatMadeIt) {
+  EXPECT_EQ(failure("<BombPin name='b' in='gap' mass='/m'/><Pin name='p' mass='/m'/><Mass name='m'/>"),
+            "test.xml:2: error: [/b] BombPin failed in stage 'build' of step 2: the gap of a row is "
+            "not a finite number (a fault in the plugin 'fireworks', not in the scene: please "
+            "report it)");
 }
 
 TEST(AThrowInAStep, NamesTheDriverAndTheRecorder) {

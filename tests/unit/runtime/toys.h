@@ -33,10 +33,12 @@ class Mass : public Component, public Body {
   static void describe(Describe<Mass>& d) {
     d.summary("A point mass.");
     d.attribute("forgetful", &Mass::forgetful, "Whether it saves more than it restores.");
+    d.attribute("refuses_before", &Mass::refuses_before, any(),
+                "Steps that a state which it takes back has at least.");
     d.attribute("fails_at", &Mass::fails_at, any(),
                 "Step after which x is not a number; -1: none.");
   }
-  Index fails_at = -1;
+  Index fails_at = -1, refuses_before = 0;
   bool forgetful = false;
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), start_x = Vec3::Zero(), start_v = Vec3::Zero();
   VecX motion = VecX::Zero(3);  ///< change of the velocity to the next guess
@@ -48,6 +50,7 @@ class Mass : public Component, public Body {
     a("x", x);
     a("v", v);
     if (!forgetful || !a.restoring()) a("step", step);
+    if (a.restoring() && step < refuses_before) a.fail("it is too young");
   }
   Index dofs() const override { return 3; }
   int width() const override { return 3; }
