@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -65,6 +66,9 @@ struct Setup {
                                               const std::string& pattern = {});
   void error(const Component& who, std::string message, Category category = Category::scene);
   void warning(const Component& who, std::string message, Category category = Category::scene);
+  /// Those of `attributes` that the scene gives mean nothing: "'size' has no effect: " and why.
+  void warn_without_effect(const Component& who, std::initializer_list<const char*> attributes,
+                           const std::string& why);
 };
 
 class Component {

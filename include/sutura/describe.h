@@ -141,7 +141,8 @@ struct OutputHandle {
   const Component* component = nullptr;
   const OutputInfo* info = nullptr;
   explicit operator bool() const { return info != nullptr; }
-  OutputValue read() const { return info->read(*component); }
+  /// What throws in there is said to be that component's fault, and not that of who reads it.
+  OutputValue read() const;
 };
 
 /// An input found by name.

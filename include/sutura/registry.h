@@ -47,6 +47,7 @@ class Registry {
  private:
   ComponentInfo& add_component(const std::string& name);
   void add_law(const LawOperations* law);
+  void check_names(const ComponentInfo& info);
 
   std::map<std::string, std::unique_ptr<ComponentInfo>> components_;
   std::vector<const LawOperations*> laws_;

@@ -107,6 +107,9 @@ class Recorder {
  public:
   static constexpr const char* interface_name = "Recorder";
   virtual ~Recorder() = default;
+  /// Once, before the first step and when bodies have settled, whether anything will be recorded or
+  /// not: for what is counted from there and read as an output.
+  virtual void begin(const Simulation& /*simulation*/) {}
   /// After compile, before the first step. Returns an error sentence, or empty.
   virtual std::string start(const Simulation& simulation) = 0;
   virtual std::string record(const Simulation& simulation, const StepReport& report) = 0;

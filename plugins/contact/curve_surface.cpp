@@ -10,7 +10,7 @@ namespace {
 // In units of the radius of the curve.
 constexpr Real margin = 1;       // a touch is built from this far, before there is one
 constexpr Real clearance = 0.5;  // a centreline may come as near to the surface on its way
-constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
+constexpr Real dip = 1e-4;       // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;        // around the mouth of a channel, the channel holds the curve
 constexpr Real clear = 0.75;     // of the surface: as much may overlap where a touch begins
 constexpr Real point = 6;        // so long is a needle's point, which presses by a law of its own

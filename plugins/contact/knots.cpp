@@ -268,8 +268,9 @@ void Knots::find_ranges(const TouchCluster& cluster) {
   }
 }
 
-/// Of the thread as far as the next tight knots, where it is cut, or its ends. From there it goes
-/// straight on, away from the knot.
+/// Of the thread until it is out of the ball around the knot, and at most as far as the next tight
+/// knots, where it is cut, or its ends: what comes later, such as another knot that is still loose,
+/// is no part of this one. From there it goes straight on, away from the knot.
 KnotType Knots::type_of(Real first, Real last) {
   Real from = 0, to = curve_->length();
   for (const auto* list : {&knots_, &before_})
@@ -279,27 +280,32 @@ KnotType Knots::type_of(Real first, Real last) {
       if (other.from > last) to = std::min(to, other.from);
     }
   curve_->segments(Configuration::current, segments_);
+  Vec3 middle = Vec3::Zero();
+  Real inside = 0, ball = 0;
+  const auto is_inside = [&](const CurveSegment& s) { return s.to >= first && s.from <= last; };
   for (const CurveSegment& s : segments_) {
-    if (!s.cut) continue;
-    if (s.to <= first) from = std::max(from, s.to);
-    if (s.from >= last) to = std::min(to, s.from);
+    if (is_inside(s)) middle += s.xa, ++inside;
+    if (s.cut && s.to <= first) from = std::max(from, s.to);
+    if (s.cut && s.from >= last) to = std::min(to, s.from);
+  }
+  middle /= inside;
+  for (const CurveSegment& s : segments_)
+    if (is_inside(s)) ball = std::max({ball, (s.xa - middle).norm(), (s.xb - middle).norm()});
+  const auto is_out = [&](const Vec3& p) { return (p - middle).norm() > 1.05 * ball; };
+  for (const CurveSegment& s : segments_) {
+    if (s.to < first && is_out(s.xa)) from = std::max(from, s.from);
+    if (s.from > last && is_out(s.xb)) to = std::min(to, s.to);
   }
   std::vector<Vec3> line;
-  Vec3 middle = Vec3::Zero();
-  Real inside = 0;
+  Vec3 end = middle;
   for (const CurveSegment& s : segments_) {
     if (s.from < from || s.to > to) continue;
     constexpr int parts = 4;
     for (int k = 0; k < parts; ++k) line.push_back(s.point(static_cast<Real>(k) / parts));
-    if (s.to < first || s.from > last) continue;
-    middle += s.xa, ++inside;
+    end = s.xb;
   }
-  middle /= inside;
-  Real size = 0;
-  for (const Vec3& p : line) size = std::max(size, (p - middle).norm());
-  const auto far = [&](const Vec3& end) {
-    return Vec3(end + 100 * size * (end - middle).normalized());
-  };
+  line.push_back(end);
+  const auto far = [&](const Vec3& p) { return Vec3(p + 100 * ball * (p - middle).normalized()); };
   line.insert(line.begin(), far(line.front()));
   line.push_back(far(line.back()));
   return knot_type(simplified(line, curve_->radius(last) / 10));

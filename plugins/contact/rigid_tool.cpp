@@ -7,6 +7,11 @@
 
 namespace sutura::contact {
 
+namespace {
+/// In the order of RigidTool::Kind.
+const std::vector<std::string> kind_names{"plane", "sphere", "capsule", "cylinder", "box", "mesh"};
+}  // namespace
+
 void RigidTool::describe(Describe<RigidTool>& d) {
   d.summary(
       "A rigid shape that bodies touch: an instrument, a table. It stands where the scene puts it, "
@@ -17,7 +22,7 @@ void RigidTool::describe(Describe<RigidTool>& d) {
       "each of them.");
   d.link("motion", &RigidTool::motion_, "What moves it; left out, it stands still.").named_only();
   d.attribute(
-      "shape", &RigidTool::kind_, {"plane", "sphere", "capsule", "cylinder", "box", "mesh"},
+      "shape", &RigidTool::kind_, kind_names,
       "A plane bounds a half space; a capsule is a cylinder with round ends; a mesh is read "
       "from a file.");
   d.attribute("file", &RigidTool::file_,
@@ -60,6 +65,15 @@ void RigidTool::initialise(Setup& setup) {
                            format_real(size_.minCoeff() / 2) + " m");
     return;
   }
+  const std::string kind = kind_names[static_cast<std::size_t>(kind_)];
+  const auto unless = [&](bool used, std::initializer_list<const char*> attributes) {
+    if (!used) setup.warn_without_effect(*this, attributes, "the shape is a " + kind);
+  };
+  const bool is_round = kind_ == Kind::sphere || kind_ == Kind::capsule || kind_ == Kind::cylinder;
+  unless(kind_ == Kind::mesh, {"unit"});
+  unless(kind_ == Kind::box, {"size", "rounding"});
+  unless(is_round, {"radius"});
+  unless(kind_ == Kind::capsule || kind_ == Kind::cylinder, {"length"});
   if (kind_ == Kind::mesh) {
     read_mesh(setup);
   } else if (!file_.path.empty()) {

@@ -53,7 +53,9 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
       .required();
   d.attribute("file", &CsvProbe::file_, "Name of the file in the output folder.");
   d.attribute("report", &CsvProbe::report_,
-              "Adds the columns rows, sweeps, residual and violation of the step's solve.");
+              "Adds the columns rows, sweeps, residual, violation, passes, parts, imbalance, "
+              "time_error and "
+              "solved of the step.");
   d.attribute("every", &CsvProbe::every_, at_least(1), "Write each so many steps.");
 }
 

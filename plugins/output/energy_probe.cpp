@@ -16,7 +16,7 @@ void EnergyProbe::describe(Describe<EnergyProbe>& d) {
       "by the square of the angle. Where a body softens as it moves, as a thread that buckles, the "
       "force at the end of a step is less than on the way, and `lost` may fall below zero; that is "
       "of first order in the step.\n\n"
-      "Work, change and loss are counted from the start of the recording. For two bodies that "
+      "Work, change and loss are counted from the start of the simulation. For two bodies that "
       "touch, the sum of both `work_of_constraints` is what the rows between them took: with a "
       "minus, the energy that friction, puncture and cutting dissipated, and that which the "
       "compliance of their laws stores.");
@@ -26,53 +26,24 @@ void EnergyProbe::describe(Describe<EnergyProbe>& d) {
   d.output("potential", "J", "Energy of the weight, zero at the origin.",
            [](const T& e) { return e.potential(); });
   d.output("total", "J", "Sum of both.", [](const T& e) { return e.total(); });
-  d.output("change", "J", "Total energy now less that at the start of the recording.",
+  d.output("change", "J", "Total energy now less that before the first step.",
            [](const T& e) { return e.change(); });
   d.output("work_of_loads", "J", "Work of the loads on the body.",
-           [](const T& e) { return e.work().loads; });
+           [](const T& e) { return e.report_->work.loads; });
   d.output("work_of_holds", "J", "Work of the holds and moving supports on the body.",
-           [](const T& e) { return e.work().holds; });
+           [](const T& e) { return e.report_->work.holds; });
   d.output("work_of_constraints", "J", "Work of the constraint forces on the body.",
-           [](const T& e) { return e.work().constraints; });
+           [](const T& e) { return e.report_->work.constraints; });
   d.output("lost", "J", "Work of all three less the change of the total energy.", [](const T& e) {
-    const Work w = e.work();
+    const Work& w = e.report_->work;
     return w.loads + w.holds + w.constraints - e.change();
   });
 }
 
-void EnergyProbe::find(const Simulation& simulation) {
+void EnergyProbe::begin(const Simulation& simulation) {
   for (std::size_t i = 0; i < simulation.bodies().size(); ++i)
     if (simulation.bodies()[i].body == body_.get()) report_ = &simulation.report().bodies[i];
-}
-
-std::string EnergyProbe::start(const Simulation& simulation) {
-  find(simulation);
-  is_recording_ = true;
   total_before_ = total();
-  work_before_ = report_->work;
-  return {};
-}
-
-std::string EnergyProbe::resume(const Simulation& simulation) {
-  if (!is_recording_) return start(simulation);
-  find(simulation);
-  return {};
-}
-
-Work EnergyProbe::work() const {
-  if (report_ == nullptr) return {};
-  const Work& now = report_->work;
-  return {.loads = now.loads - work_before_.loads,
-          .holds = now.holds - work_before_.holds,
-          .constraints = now.constraints - work_before_.constraints};
-}
-
-void EnergyProbe::archive(Archive& a) {
-  a("is_recording", is_recording_);
-  a("total_before", total_before_);
-  a("loads_before", work_before_.loads);
-  a("holds_before", work_before_.holds);
-  a("constraints_before", work_before_.constraints);
 }
 
 }  // namespace sutura::output

@@ -11,11 +11,11 @@ class EnergyProbe : public Component, public Recorder {
  public:
   static void describe(Describe<EnergyProbe>& d);
   void initialise(Setup& setup) override { gravity_ = setup.gravity; }
-  void archive(Archive& a) override;
+  void archive(Archive& a) override { a("total_before", total_before_); }
 
-  /// Notes energy and work before the first step, once all bodies have settled.
-  std::string start(const Simulation& simulation) override;
-  std::string resume(const Simulation& simulation) override;
+  /// Notes the energy before the first step, once all bodies have settled.
+  void begin(const Simulation& simulation) override;
+  std::string start(const Simulation&) override { return {}; }
   std::string record(const Simulation&, const StepReport&) override { return {}; }
   std::string finish(const Simulation&) override { return {}; }
 
@@ -24,17 +24,12 @@ class EnergyProbe : public Component, public Recorder {
     return gravity_.isZero(0) ? 0 : -body_->mass() * gravity_.dot(body_->centre_of_mass());
   }
   Real total() const { return body_->energy() + potential(); }
-  Real change() const { return is_recording_ ? total() - total_before_ : 0; }
-  /// Since the start of the recording.
-  Work work() const;
-  void find(const Simulation& simulation);
+  Real change() const { return total() - total_before_; }
 
   Link<Body> body_;
   Vec3 gravity_ = Vec3::Zero();
   const BodyReport* report_ = nullptr;  ///< of the body
-  bool is_recording_ = false;
-  Real total_before_ = 0;  ///< at the start of the recording (J)
-  Work work_before_;
+  Real total_before_ = 0;               ///< at the start (J)
 };
 
 }  // namespace sutura::output

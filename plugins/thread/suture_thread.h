@@ -3,6 +3,7 @@
 
 #include "chain_compliance.h"
 #include "curve.h"
+#include "needle_pose.h"
 #include "resampler.h"
 #include "rod.h"
 #include "rod_step.h"
@@ -131,7 +132,7 @@ class SutureThread : public Component,
 
  private:
   void look_up_products(Setup& setup);
-  void place_needle(Setup& setup);
+  TipPlace place_needle() const;
   RestShape read_rest(Setup& setup);
   RestShape read_shape(Setup& setup, const char* attribute, const File& file);
   void start_moving();

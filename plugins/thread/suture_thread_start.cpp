@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "needle_pose.h"
 #include "products.h"
 #include "rod_static.h"
 #include "sutura/units.h"
@@ -31,7 +30,17 @@ void SutureThread::initialise(Setup& setup) {
                            " m, or a shorter thread");
   if (!setup.ok()) return;
   doubt_sizes(setup);
-  place_needle(setup);
+  if (needle_arc_length == 0)
+    setup.warn_without_effect(*this,
+                              {"needle_angle", "needle_diameter", "needle_young", "needle_poisson",
+                               "needle_density", "needle_beams"},
+                              "there is no needle");
+  if (thread_direction.isZero(0))
+    setup.warn_without_effect(*this, {"thread_bend_radius"}, "'thread_direction' is not given");
+  if (settles)
+    setup.warn_without_effect(*this, {"velocity", "spin"}, "with 'settle' it begins at rest");
+  const TipPlace place = place_needle();
+  if (!place.error.empty()) setup.error(*this, place.error);
   const RestShape rest = read_rest(setup);
   std::optional<RestShape> start;
   if (!thread_start_file.path.empty()) {
@@ -43,8 +52,8 @@ void SutureThread::initialise(Setup& setup) {
   shape_ = {.needle_length = needle_arc_length,
             .needle_angle = needle_angle,
             .thread_length = thread_length,
-            .tip = tip,
-            .tip_direction = tip_direction,
+            .tip = place.tip,
+            .tip_direction = place.direction,
             .plane_normal = plane_normal,
             .thread_direction = thread_direction,
             .thread_bend_radius = thread_bend_radius,
@@ -96,19 +105,20 @@ void SutureThread::look_up_products(Setup& setup) {
   }
 }
 
-/// From the centre of the arc or from the point of entry to tip and direction.
-void SutureThread::place_needle(Setup& setup) {
+/// From the centre of the arc or from the point of entry to tip and direction. Attributes stay as
+/// the scene has them: written back, it must not place the needle twice.
+TipPlace SutureThread::place_needle() const {
   const bool by_tip = says("tip");
   const bool by_centre = says("needle_centre") || says("tip_angle");
   const bool by_entry = says("entry") || says("approach");
+  TipPlace place{tip, tip_direction, {}};
   if (by_tip + by_centre + by_entry > 1 || (by_centre && says("tip_direction"))) {
-    setup.error(*this,
-                "the needle is placed twice; expected 'tip' with 'tip_direction', or "
-                "'needle_centre' with 'tip_angle', or 'entry' with 'tip_direction'");
-    return;
+    place.error =
+        "the needle is placed twice; expected 'tip' with 'tip_direction', or "
+        "'needle_centre' with 'tip_angle', or 'entry' with 'tip_direction'";
+    return place;
   }
   const NeedleArc arc{needle_arc_length, needle_angle, plane_normal};
-  TipPlace place{tip, tip_direction, {}};
   if (by_centre) {
     if (says("needle_centre") && says("tip_angle"))
       place = place_by_centre(arc, needle_centre, tip_angle);
@@ -120,9 +130,7 @@ void SutureThread::place_needle(Setup& setup) {
     else
       place.error = "'approach' needs 'entry', the point that it counts from";
   }
-  if (!place.error.empty()) return setup.error(*this, place.error);
-  tip = place.tip;
-  tip_direction = place.direction;
+  return place;
 }
 
 RestShape SutureThread::read_rest(Setup& setup) {

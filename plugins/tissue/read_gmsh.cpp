@@ -25,6 +25,11 @@ int nodes_of_type(int type) {
   return it == table.end() ? 0 : it->second;
 }
 
+bool is_volume(int type) {
+  static const std::set<int> volumes{4, 5, 6, 7, 11, 12, 13, 14, 17, 18, 19, 29, 30, 31, 92, 93};
+  return volumes.contains(type);
+}
+
 class GmshReader {
  public:
   explicit GmshReader(FileCursor& in) : in_(in) {}
@@ -152,6 +157,10 @@ class GmshReader {
     if (type == 11 || type == 29 || type == 30 || type == 31)
       in_.fail("element type " + std::to_string(type) +
                " is a higher-order tetrahedron; save the mesh with order 1");
+    // Left out, they would be holes in the tissue.
+    if (type != type_tet && is_volume(type))
+      in_.fail("element type " + std::to_string(type) +
+               " is a hexahedron, prism or pyramid; expected tetrahedra only");
     return n;
   }
 

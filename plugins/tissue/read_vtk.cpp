@@ -2,8 +2,20 @@
 #include "read_vtk.h"
 
 #include <bit>
+#include <set>
 
 namespace sutura::tissue {
+
+namespace {
+
+/// Points, lines and faces, which a tetrahedral mesh may bring along (vtkCellType.h).
+bool is_face_or_less(long long type) {
+  static const std::set<long long> known{21, 22, 23, 28, 30, 34, 35, 36, 60,
+                                         61, 62, 63, 68, 69, 70, 75, 76, 77};
+  return (type >= 0 && type <= 9) || known.contains(type);
+}
+
+}  // namespace
 
 void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
   const auto points = static_cast<long long>(mesh.points.size());
@@ -11,7 +23,12 @@ void take_tets(const VtkCells& cells, int line, MeshData& mesh) {
     if (cells.types[c] == vtk_quadratic_tetra)
       throw FileProblem{line, "cell " + std::to_string(c) +
                                   " is a second-order tetrahedron; save the mesh with order 1"};
-    if (cells.types[c] != vtk_tetra) continue;
+    if (is_face_or_less(cells.types[c])) continue;
+    // Left out, it would be a hole in the tissue.
+    if (cells.types[c] != vtk_tetra)
+      throw FileProblem{line, "cell " + std::to_string(c) + " is of type " +
+                                  std::to_string(cells.types[c]) +
+                                  ", no tetrahedron (type 10); expected tetrahedra only"};
     const long long first = cells.offsets[c];
     if (cells.offsets[c + 1] - first != 4)
       throw FileProblem{line, "cell " + std::to_string(c) + " is a tetrahedron with " +

@@ -32,7 +32,8 @@ struct VtkCells {
   std::vector<double> region;  ///< per cell, or empty
 };
 
-/// Keeps the tets. Throws FileProblem at `line` for a bad index or a higher-order tet.
+/// Keeps the tets; faces, lines and points are left out. Throws FileProblem at `line` for a bad
+/// index or any other volume.
 void take_tets(const VtkCells& cells, int line, MeshData& mesh);
 
 }  // namespace sutura::tissue

@@ -65,8 +65,10 @@ void AsyncPreconditioner::describe(Describe<AsyncPreconditioner>& d) {
       "lag", &AsyncPreconditioner::lag,
       "When a new factor is adopted: \"free\", as soon as it is there, or a number of steps "
       "after its snapshot, for runs that repeat bit by bit.");
-  d.attribute("tolerance", &AsyncPreconditioner::tolerance, "1", strictly_between(0, 1),
-              "Relative residual |b - A x| / |b| at which the iteration stops.");
+  d.attribute(
+      "tolerance", &AsyncPreconditioner::tolerance, "1", strictly_between(0, 1),
+      "Smallest relative residual |b - A x| / |b| that is asked for. The iteration stops earlier, "
+      "at up to 0.5, where that is enough for the tolerance of the step.");
   d.attribute("max_iterations", &AsyncPreconditioner::max_iterations, between(1, 1000000),
               "Iterations after which the matrix of the step is factorised at once.");
   d.attribute("refactor_iterations", &AsyncPreconditioner::refactor_iterations, between(0, 1000000),

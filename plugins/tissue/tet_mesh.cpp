@@ -18,7 +18,8 @@ void TetMesh::describe(Describe<TetMesh>& d) {
   d.summary(
       "A tetrahedral mesh read from a file: Gmsh MSH 2.2 or 4.1, VTK legacy or VTU, "
       "ASCII, binary or compressed by zlib. Physical groups (Gmsh) or the cell array 'region' "
-      "(VTK) become regions.");
+      "(VTK) become regions. Faces, lines and points in it are left out; any other volume is an "
+      "error.");
   d.attribute("file", &TetMesh::file, "The mesh file, relative to the scene.").required();
   d.attribute("unit", &TetMesh::unit, {"unstated", "m", "cm", "mm"},
               "The unit of length of the file; unstated means metres, with a warning if the mesh "

@@ -105,6 +105,8 @@ void Tissue::initialise(Setup& setup) {
                                   "most " +
                                   std::to_string(most_tets));
   doubt(setup);
+  if (settles)
+    setup.warn_without_effect(*this, {"velocity", "spin"}, "with 'settle' it begins at rest");
   const Index n = static_cast<Index>(data.points.size());
   model_.mesh = &data;
   model_.rest.resize(3 * n);

@@ -115,7 +115,9 @@ std::string Summary::text(double wall_seconds) const {
            worst_time_error_);
   }
   if (missed_before_ > 0)
-    append(out, "  MISSED BEFORE: %ld of the %ld steps before this run were less accurate than asked, or faulty\n",
+    append(out,
+           "  MISSED BEFORE: %ld of the %ld steps before this run were less accurate than asked, "
+           "or faulty\n",
            static_cast<long>(missed_before_), static_cast<long>(last_step_ - steps_));
   const auto list = [&](const char* title, const std::map<std::string, Kind>& kinds) {
     for (const auto& [text, kind] : kinds) {

@@ -39,7 +39,7 @@ class Summary {
   Index last_step_ = 0;
   Real time_ = 0;            ///< s, at the end of the last step
   Index missed_before_ = 0;  ///< steps before the first one that was added
-  Index unsolved_ = 0;  ///< steps that missed a tolerance
+  Index unsolved_ = 0;       ///< steps that missed a tolerance
   Index first_unsolved_ = 0;
   std::string worst_body_;
   Imbalance worst_imbalance_;

@@ -61,7 +61,7 @@ FMI3 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
 }
 
 FMI3 fmi3Status fmi3Terminate(fmi3Instance instance) {
-  return on(instance, [](Instance&) { return fmi3OK; });
+  return on(instance, [](Instance& self) { return self.end_steps(), fmi3OK; });
 }
 
 FMI3 fmi3Status fmi3Reset(fmi3Instance instance) {

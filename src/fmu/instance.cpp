@@ -170,6 +170,8 @@ double Instance::time() const {
 }
 
 fmi3Status Instance::advance(double from, double span) {
+  if (!stepping_)
+    return refuse("a step is taken between fmi3ExitInitializationMode and fmi3Terminate only");
   // Parts of a step that the sums of an importer's clock may be off.
   constexpr double rounding = 1e-6;
   if (!(std::abs(from - time()) <= rounding * dt_))

@@ -50,6 +50,7 @@ class Instance {
 
   void begin(double start) { start_ = start; }
   void begin_steps() { stepping_ = true; }
+  void end_steps() { stepping_ = false; }
   /// Steps to `from` + `span`, which must be a whole number of time steps.
   fmi3Status advance(double from, double span);
   double time() const;

@@ -145,6 +145,12 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   s->best_guess_ = std::make_unique<BestGuess>(s->bodies_);
   s->output_directory_ = output_directory;
   s->written_files_ = written_files(setup);
+  try {
+    for (Recorder* recorder : s->recorders_) s->ask(recorder).begin(*s);
+  } catch (...) {
+    diagnostics.add(failure_of(s->asked_, "before the first step"));
+    return nullptr;
+  }
   return s;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <new>
 
+#include "scene/output_failure.h"
 #include "sutura/describe.h"
 #include "sutura/device.h"
 #include "sutura/scene.h"
@@ -36,14 +37,15 @@ void check_rows(const ConstraintProblem& problem, const Scene& scene) {
 Diagnostic failure_of(const Component* who, const std::string& when) {
   Diagnostic d;
   d.category = Category::internal;
-  std::string name = "Sutura", whose = "Sutura";
-  if (who != nullptr && !who->path().empty()) {
-    d.location = who->location();
-    d.node_path = who->path();
-    name = who->info().name;
-    if (who->info().plugin != "core") whose = "the plugin '" + who->info().plugin + "'";
-  }
-  std::string what;
+  std::string name = "Sutura", whose = "Sutura", what;
+  const auto blame = [&](const Component* c) {
+    if (c == nullptr || c->path().empty()) return;
+    d.location = c->location();
+    d.node_path = c->path();
+    name = c->info().name;
+    if (c->info().plugin != "core") whose = "the plugin '" + c->info().plugin + "'";
+  };
+  blame(who);
   try {
     throw;
   } catch (const TooManyRows& rows) {
@@ -56,6 +58,9 @@ Diagnostic failure_of(const Component* who, const std::string& when) {
     d.category = Category::scene;
     d.message = name + " asks for more memory than there is, " + when;
     return d;
+  } catch (const OutputFailure& e) {
+    blame(e.who);
+    what = std::string(": ") + e.what();
   } catch (const std::exception& e) {
     what = std::string(": ") + e.what();
   } catch (...) {

@@ -56,7 +56,8 @@ void GaussSeidel::initialise(Setup& setup) {
     setup.error(*this,
                 "acceleration=\"nncg\" works on the CPU alone; use \"subspace\" or \"none\" with a "
                 "device");
-  if (dump_.empty()) return;
+  if (dump_.empty())
+    return setup.warn_without_effect(*this, {"dump_every"}, "'dump' names no folder");
   if (const auto place = setup.output(*this, "dump", dump_, "*.problem")) dump_folder_ = *place;
 }
 

@@ -1,7 +1,10 @@
 // Outputs and inputs by name: "/holder.force".
 #include <algorithm>
 #include <cmath>
+#include <new>
 
+#include "scene/output_failure.h"
+#include "sutura/device.h"
 #include "sutura/scene.h"
 #include "sutura/units.h"
 
@@ -52,6 +55,18 @@ std::pair<Component*, const Info*> search(const Scene& scene, std::string_view n
 }
 
 }  // namespace
+
+OutputValue OutputHandle::read() const {
+  try {
+    return info->read(*component);
+  } catch (const DeviceError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw OutputFailure(*component, info->name, e.what());
+  }
+}
 
 OutputHandle Scene::output(std::string_view name, std::string& error) const {
   const auto [component, info] = search(*this, name, &ComponentInfo::outputs, "output", error);

@@ -1,6 +1,8 @@
 #include "sutura/registry.h"
 
 #include <algorithm>
+#include <cctype>
+#include <set>
 #include <tuple>
 
 namespace sutura {
@@ -25,8 +27,32 @@ bool Registry::has_plugin(const std::string& name) const {
 }
 
 void Registry::end_plugin() {
+  for (const auto& [name, info] : components_)
+    if (info->plugin == plugin_) check_names(*info);
   plugins_.push_back(std::move(plugin_));
   plugin_ = "core";
+}
+
+/// What a scene can never say, because of the name it was given.
+void Registry::check_names(const ComponentInfo& info) {
+  const auto complain = [&](const std::string& what, const std::string& why) {
+    clashes_.push_back("plugin '" + plugin_ + "' describes '" + what + "' of " + info.name + ", " +
+                       why);
+  };
+  const auto check = [&](std::set<std::string>& known, const std::string& name) {
+    const auto is_fit = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+    if (name.empty() || !std::all_of(name.begin(), name.end(), is_fit))
+      complain(name, "which is no name: expected letters, digits and '_'");
+    else if (name == "name")
+      complain(name, "which every component has");
+    else if (!known.insert(name).second)
+      complain(name, "twice");
+  };
+  std::set<std::string> attributes, outputs, inputs;
+  for (const AttributeInfo& a : info.attributes) check(attributes, a.name);
+  for (const LinkInfo& l : info.links) check(attributes, l.name);
+  for (const OutputInfo& o : info.outputs) check(outputs, o.name);
+  for (const InputInfo& i : info.inputs) check(inputs, i.name);
 }
 
 ComponentInfo& Registry::add_component(const std::string& name) {

@@ -16,6 +16,16 @@ bool leads_out(const fs::path& path) {
   return plain.is_absolute() || (!plain.empty() && *plain.begin() == "..");
 }
 
+/// Files of a folder that are somebody's, as "vtk" and "*.vtu".
+struct FilesOf {
+  fs::path folder;
+  std::string pattern;
+};
+bool is_among(const FilesOf& files, const fs::path& file) {
+  return !files.pattern.empty() && file.parent_path() == files.folder &&
+         file.extension() == fs::path(files.pattern).extension();
+}
+
 }  // namespace
 
 fs::path Setup::resolve(const std::string& file) const {
@@ -56,13 +66,19 @@ std::optional<fs::path> Setup::output(const Component& who, const std::string& a
                    "--allow-outside)");
     return {};
   }
-  const auto [place, is_new] =
-      claims.try_emplace(plain.generic_string(), Claim{who.path(), pattern});
-  if (!is_new) {
-    error(who, attribute + ": '" + name + "' would overwrite what " + place->second.owner +
+  const auto taken_by = [&](const std::string& owner) {
+    error(who, attribute + ": '" + name + "' would overwrite what " + owner +
                    " writes there; expected another name");
-    return {};
-  }
+    return std::nullopt;
+  };
+  const std::string place = plain.generic_string();
+  if (place == ".sutura_files" || place.starts_with("checkpoint.sutura"))
+    return taken_by("the program itself");
+  for (const auto& [other, claim] : claims)
+    if (other == place || is_among({other, claim.pattern}, plain) ||
+        is_among({place, pattern}, other))
+      return taken_by(claim.owner);
+  claims.emplace(place, Claim{who.path(), pattern});
   return output_directory / plain;
 }
 
@@ -72,6 +88,12 @@ void Setup::error(const Component& who, std::string message, Category category) 
 
 void Setup::warning(const Component& who, std::string message, Category category) {
   diagnostics.warning(who.location(), who.path(), std::move(message), category);
+}
+
+void Setup::warn_without_effect(const Component& who, std::initializer_list<const char*> attributes,
+                                const std::string& why) {
+  for (const char* attribute : attributes)
+    if (who.says(attribute)) warning(who, "'" + std::string(attribute) + "' has no effect: " + why);
 }
 
 }  // namespace sutura

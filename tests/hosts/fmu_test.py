@@ -229,6 +229,9 @@ class Fmu(unittest.TestCase):
 
     def test_what_is_wrong_is_said(self):
         fmu = self.importer()
+        fmu.time = 0.0
+        self.assertEqual(fmu.step(fmu.dt), 3)
+        self.assertIn("fmi3ExitInitializationMode", fmu.messages[-1][2])
         fmu.begin()
         self.assertEqual(fmu.step(0.4 * fmu.dt), 3)
         self.assertIn("no whole number of time steps", fmu.messages[-1][2])

@@ -32,10 +32,12 @@ struct Text {
 };
 
 /// All outputs of all components after each of a few steps; format_real loses no bit.
-std::string trace(std::unique_ptr<Scene> scene, Diagnostics& diagnostics) {
+std::string trace(std::unique_ptr<Scene> scene, Diagnostics& diagnostics,
+                  std::string* compiled = nullptr) {
   constexpr int steps = 8;
   const auto simulation = Simulation::compile(std::move(scene), {}, diagnostics);
   if (!simulation) return {};
+  if (compiled != nullptr) *compiled = write_scene(simulation->scene());
   std::string out;
   for (int i = 0; i < steps; ++i) {
     const StepReport& report = simulation->step();
@@ -65,11 +67,17 @@ TEST_P(RoundTrip, RunsToTheSameBits) {
   ASSERT_TRUE(second) << diagnostics.all().front().text() << '\n' << written;
   EXPECT_EQ(write_scene(*second), written);
   EXPECT_EQ(second->duration, first->duration);
-  const std::string a = trace(std::move(first), diagnostics),
+  std::string compiled;
+  const std::string a = trace(std::move(first), diagnostics, &compiled),
                     b = trace(std::move(second), diagnostics);
   EXPECT_TRUE(diagnostics.ok());
   EXPECT_FALSE(a.empty());
   EXPECT_EQ(a, b) << written;
+  // What a host writes, once components have been initialised.
+  auto third =
+      load_scene_text(compiled, "written.xml", file.parent_path(), registry, diagnostics, options);
+  ASSERT_TRUE(third) << diagnostics.all().front().text() << '\n' << compiled;
+  EXPECT_EQ(trace(std::move(third), diagnostics), a) << compiled;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RoundTrip, testing::ValuesIn(scenes()), [](const auto& info) {

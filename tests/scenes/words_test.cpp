@@ -49,6 +49,29 @@ TEST(Words, BadProductsAreRefusedWithTheLine) {
   EXPECT_NE(run.said().find("'26 mm 1/2 circle'"), std::string::npos) << run.said();
 }
 
+// What is given and means nothing is said; what means something is not.
+TEST(Words, WhatHasNoEffectIsSaid) {
+  const auto said = [](const std::string& elements) {
+    const TextRun run("<plugin name='contact'/>" + elements);
+    EXPECT_TRUE(run) << run.said();
+    return run.said();
+  };
+  EXPECT_NE(said("<Tool shape='cylinder' radius='1 mm' length='5 mm' rounding='1 mm'/>")
+                .find("'rounding' has no effect: the shape is a cylinder"),
+            std::string::npos);
+  EXPECT_NE(said("<SutureThread needle_length='0' needle_diameter='1 mm'/>")
+                .find("'needle_diameter' has no effect: there is no needle"),
+            std::string::npos);
+  EXPECT_NE(said("<SutureThread clamp='end' settle='true' velocity='1 0 0 m/s'/>")
+                .find("'velocity' has no effect: with 'settle' it begins at rest"),
+            std::string::npos);
+  EXPECT_EQ(said("<Tool shape='box' size='1 1 1 mm' rounding='0.1 mm'/>"
+                 "<Tool name='ball' shape='sphere' radius='1 mm' centre='0 0 1 m'/>"
+                 "<SutureThread needle_diameter='1 mm' thread_direction='1 0 0' "
+                 "thread_bend_radius='9 mm' velocity='1 0 0 m/s'/>"),
+            "");
+}
+
 TEST(Words, CentreAndAngle) {
   TextRun run(
       "<SutureThread name=\"s\" needle=\"26 mm 1/2 circle\" needle_centre=\"1 2 5 mm\" "

@@ -38,6 +38,10 @@ def value_text(value: Any) -> str:
                      "a text with a unit, or a component") from None
 
 
+def _texts(settings: Mapping[str, object] | None) -> dict[str, str]:
+    return {str(name): value_text(value) for name, value in (settings or {}).items()}
+
+
 class Element:
     """A component of a scene that is being written, or a node with components of its own."""
 
@@ -163,7 +167,7 @@ def load(file: PathLike, *, settings: Mapping[str, object] | None = None,
     SceneError, FileError or PluginError have file and line.
     """
     return Simulation(*load_with(lambda options, handle: library.sutura_load(
-        os.fsencode(file), options, handle), settings, plugin_path, output, allow_outside,
+        os.fsencode(file), options, handle), _texts(settings), plugin_path, output, allow_outside,
         on_message, workers))
 
 
@@ -176,5 +180,5 @@ def loads(xml: str, *, name: str = "scene", directory: PathLike | None = None,
     data = xml.encode()
     where = None if directory is None else os.fsencode(directory)
     return Simulation(*load_with(lambda options, handle: library.sutura_load_text(
-        data, len(data), name.encode(), where, options, handle), settings, plugin_path, output,
+        data, len(data), name.encode(), where, options, handle), _texts(settings), plugin_path, output,
         allow_outside, on_message, workers))

@@ -63,7 +63,7 @@ class Simulation:
 
     def step(self, count: int = 1) -> Report:
         """Takes `count` steps. Diverged, FileError (a recorder) or InternalError end it early."""
-        if count < 0:
+        if not 0 <= count < 2**63:
             raise Misuse(f"cannot take {count} steps")
         self._changes += 1
         with self._messages.delivered():
@@ -127,8 +127,9 @@ class Simulation:
         """To a state of this scene that `save` or `sutura run --checkpoint-every` has made: its
         bytes, or the name of its file."""
         self._changes += 1
-        if isinstance(state, (bytes, bytearray)):
-            check(library.sutura_restore(self._handle, bytes(state), len(state)))
+        if isinstance(state, (bytes, bytearray, memoryview)):
+            state = bytes(state)
+            check(library.sutura_restore(self._handle, state, len(state)))
         else:
             check(library.sutura_restore_file(self._handle, os.fsencode(state)))
 
@@ -162,6 +163,13 @@ class Simulation:
         if self._handle:
             check(library.sutura_destroy(self._handle))
             self._handle = 0
+
+    def __copy__(self) -> Simulation:
+        # It would share the handle, and whichever goes first would destroy both.
+        raise Misuse("a simulation cannot be copied; load the scene again and restore what save() gave")
+
+    def __deepcopy__(self, memo: object) -> Simulation:
+        return self.__copy__()
 
     def __enter__(self) -> Simulation:
         return self

@@ -62,6 +62,7 @@ msh2("msh_node_twice.msh", "4 0 0 1\n", "3 0 0 1\n", 9, "node 3 is defined twice
 msh2("msh_unknown_node.msh", "1 2 3 4\n", "1 2 3 5\n", 13, "uses node 5, which is not in '$Nodes'")
 msh2("msh_unknown_type.msh", "1 4 2 7", "1 77 2 7", 13, "element type 77 is not known")
 msh2("msh_second_order.msh", "1 4 2 7", "1 11 2 7", 13, "save the mesh with order 1")
+msh2("msh_prism.msh", "1 4 2 7 1 1 2 3 4", "1 6 2 7 1 1 2 3 4 1 2", 13, "expected tetrahedra only")
 msh2("msh_negative_tags.msh", "1 4 2 7", "1 4 -2 7", 13, "expected 0 to 64")
 msh2("msh_many_tags.msh", "1 4 2 7", "1 4 2000000000 7", 13, "expected 0 to 64")
 msh2("msh_huge_elements.msh", "$Elements\n1", "$Elements\n4000000000", 12, "bytes of the file are left")
@@ -185,6 +186,7 @@ vtk("vtk_cell_negative.vtk", "4 0 1 2 3", "-4 0 1 2 3", 11, "cell 0 has -4 point
 vtk("vtk_three_point_tet.vtk", "CELLS 1 5\n4 0 1 2 3", "CELLS 1 4\n3 0 1 2", 10, "a tetrahedron with 3 points")
 vtk("vtk_types_missing.vtk", "CELL_TYPES 1\n10\n", "", 16, "without CELL_TYPES")
 vtk("vtk_types_count.vtk", "CELL_TYPES 1", "CELL_TYPES 2", 12, "2 cell types for 1 cells")
+vtk("vtk_pyramid.vtk", "\n10\n", "\n14\n", 10, "is of type 14, no tetrahedron")
 vtk("vtk_quadratic.vtk", "\n10\n", "\n24\n", 10, "second-order tetrahedron")
 vtk("vtk_region_count.vtk", "CELL_DATA 1", "CELL_DATA 3", 14, "3 values for 1 cells")
 vtk("vtk_region_fraction.vtk", "SCALARS region int 1\nLOOKUP_TABLE default\n7", "SCALARS region double 1\nLOOKUP_TABLE default\n7.5", 10,

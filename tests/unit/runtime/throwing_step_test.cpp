@@ -33,6 +33,8 @@ class BombMass : public Mass, public Bomb {
   static void describe(Describe<BombMass>& d) {
     d.summary("Throws.");
     d.attribute("in", static_cast<std::string BombMass::*>(&Bomb::in), "Where.");
+    d.output("bang", "N", "Throws.",
+             [](const BombMass&) -> Real { throw std::runtime_error("boom"); });
   }
   void begin_step(const StepContext& c) override {
     pass_by("begin_step", c.step);
@@ -111,8 +113,10 @@ class BombNotes : public Notes, public Bomb {
     pass_by("start");
     return {};
   }
-  std::string record(const Simulation&, const StepReport& report) override {
+  std::string record(const Simulation& s, const StepReport& report) override {
     pass_by("record", report.step - 1);
+    std::string error;
+    if (in == "reads" && report.step == 2) s.scene().output("/b.bang", error).read();
     return {};
   }
   std::string finish(const Simulation& s) override {
@@ -182,10 +186,11 @@ TEST(AThrowInAStep, NamesTheSource) {
 }
 
 TEST(AGapThatIsNoNumber, NamesTheSourceThatMadeIt) {
-  EXPECT_EQ(failure("<BombPin name='b' in='gap' mass='/m'/><Pin name='p' mass='/m'/><Mass name='m'/>"),
-            "test.xml:2: error: [/b] BombPin failed in stage 'build' of step 2: the gap of a row is "
-            "not a finite number (a fault in the plugin 'fireworks', not in the scene: please "
-            "report it)");
+  EXPECT_EQ(
+      failure("<BombPin name='b' in='gap' mass='/m'/><Pin name='p' mass='/m'/><Mass name='m'/>"),
+      "test.xml:2: error: [/b] BombPin failed in stage 'build' of step 2: the gap of a row is "
+      "not a finite number (a fault in the plugin 'fireworks', not in the scene: please "
+      "report it)");
 }
 
 TEST(AThrowInAStep, NamesTheDriverAndTheRecorder) {
@@ -195,6 +200,12 @@ TEST(AThrowInAStep, NamesTheDriverAndTheRecorder) {
                     "<BombClock name='c' in=''/>"),
             boom("BombClock", "inputs"));
   EXPECT_EQ(failure("<BombNotes name='b' in='record'/>"), boom("BombNotes", "record"));
+}
+
+TEST(AnOutputThatThrows, IsBlamedAndNotWhoReadsIt) {
+  EXPECT_EQ(failure("<BombMass name='b'/><BombNotes name='n' in='reads'/>"),
+            "test.xml:2: error: [/b] BombMass failed in stage 'record' of step 2: output 'bang': "
+            "boom (a fault in the plugin 'fireworks', not in the scene: please report it)");
 }
 
 RunResult run(const std::string& elements, Diagnostics& diagnostics) {

@@ -70,6 +70,37 @@ TEST(Plugin, StaticPluginsEnrolOnce) {
   EXPECT_TRUE(load_plugin(r, "toys", {}, {}, d));  // there already
 }
 
+/// Described by names that the test chooses.
+class Named : public Component {
+ public:
+  static inline std::vector<std::string> attributes, outputs;
+  static void describe(Describe<Named>& d) {
+    d.summary("Has names.");
+    for (const std::string& name : attributes) d.attribute(name, &Named::flag, "A flag.");
+    for (const std::string& name : outputs)
+      d.output(name, "1", "One.", [](const Named&) -> Real { return 1; });
+  }
+  bool flag = false;
+};
+
+TEST(Plugin, NamesThatNoSceneCanSayAreErrors) {
+  const auto said = [](std::vector<std::string> attributes, std::vector<std::string> outputs) {
+    Named::attributes = std::move(attributes), Named::outputs = std::move(outputs);
+    PluginHeader header = good_header();
+    header.enrol = [](Registry& r) { r.component<Named>("Named"); };
+    Registry r;
+    Diagnostics d;
+    const bool is_taken = enrol_plugin(r, header, d);
+    EXPECT_EQ(is_taken, d.ok());
+    return d.ok() ? std::string() : d.all().front().message;
+  };
+  EXPECT_EQ(said({"young", "young_2"}, {"young"}), "");
+  EXPECT_NE(said({"young", "young"}, {}).find("'young' of Named, twice"), std::string::npos);
+  EXPECT_NE(said({}, {"f", "f"}).find("'f' of Named, twice"), std::string::npos);
+  EXPECT_NE(said({"name"}, {}).find("which every component has"), std::string::npos);
+  EXPECT_NE(said({"two words"}, {}).find("expected letters"), std::string::npos);
+}
+
 TEST(Plugin, ClashingNamesAreErrorsAndTheFirstHolds) {
   Registry r;
   r.component<CubeBox>("Ball");

@@ -27,7 +27,31 @@ struct Capstan {
   Real pull = 0;        ///< a weight instead of the hand (N)
   Real bending = 0.01;  ///< bending_factor
   Real spin = 0;        ///< of the bar, against the hand (rad/s)
+  int corners = 0;      ///< a bar with so many, as a mesh; 0: a round one
 };
+
+/// A prism about the z axis whose corners are `radius` (m) away from it, as OBJ.
+std::string prism_file(int corners, Real radius) {
+  const std::string file = SUTURA_BINARY_DIR "/prism_" + std::to_string(corners) + ".obj";
+  std::ofstream out(file);
+  out << std::setprecision(17);
+  for (const Real z : {-0.03, 0.03})
+    for (int k = 0; k < corners; ++k) {
+      const Real angle = 2 * std::numbers::pi * k / corners;
+      out << "v " << radius * std::cos(angle) << ' ' << radius * std::sin(angle) << ' ' << z
+          << '\n';
+    }
+  for (int k = 1; k <= corners; ++k) {
+    const int next = k % corners + 1;
+    out << "f " << k << ' ' << next << ' ' << next + corners << ' ' << k + corners << '\n';
+  }
+  for (const int from : {0, corners}) {
+    out << 'f';
+    for (int k = 1; k <= corners; ++k) out << ' ' << from + (from > 0 ? k : corners + 1 - k);
+    out << '\n';
+  }
+  return file;
+}
 
 /// A thread with straight ends of 10 mm, wound round the bar as a helix whose turns do not meet.
 TextRun wound(const Capstan& c) {
@@ -58,8 +82,11 @@ TextRun wound(const Capstan& c) {
     << c.bending << "' damping_stiffness='0.1 ms' tip_direction='-1 0 0' thread_start_file='"
     << name << "' thread_diameter='" << 2 * c.radius << "' thread_length='" << total
     << "' thread_beams='" << std::lround(total * curvature / c.turn) << "'/>"
-    << "<Tool name='bar' shape='cylinder' length='60 mm' radius='" << c.bar << "' centre='"
-    << vector(Vec3(tail, -around, 0)) << "' axis='" << vector(axis) << "' motion='drum'/>"
+    << "<Tool name='bar' "
+    << (c.corners > 0 ? "shape='mesh' file='" + prism_file(c.corners, c.bar)
+                      : "shape='cylinder' length='60 mm' radius='" + std::to_string(c.bar))
+    << "' centre='" << vector(Vec3(tail, -around, 0)) << "' axis='" << vector(axis)
+    << "' motion='drum'/>"
     << "<Track name='drum' centre='" << vector(Vec3(tail, -around, 0))
     << "' times='0 10 s' rotations='0 0 0 " << vector(10 * c.spin * axis) << "'/>"
     << "<Contact tool='bar' friction='" << c.mu << "'/><ThreadLoad at='" << total << "' force='"
@@ -104,6 +131,26 @@ TEST(Capstan, HoldsWithTheExponentialOfTheAngle) {
     if (reference.number(i, "exp(mu phi)") > 50) continue;
     EXPECT_NEAR(reference.number(i, "exp(mu phi)"), std::exp(c.mu * c.wrap), 1e-6);
     EXPECT_NEAR(ratio(c) / thick(c), 1, 0.01) << c.mu << ' ' << c.wrap;
+  }
+}
+
+// A bar with corners, without friction: the thread slides over them with the force that it has.
+// Where it touches at the same places of its own until others are nearer by much, it is pushed on
+// by the sides that these have got to: with a twentieth of its radius the hand felt 17 % less.
+TEST(Capstan, CornersTakeNothingAndGiveNothing) {
+  for (const int corners : {12, 24, 48}) {
+    const Capstan c{.mu = 0, .wrap = std::numbers::pi, .corners = corners};
+    TextRun run = wound(c);
+    ASSERT_TRUE(run) << run.said();
+    Real sum = 0, steps = 0;
+    while (run.simulation().time() < 0.8) {
+      const StepReport& report = run.simulation().step();
+      EXPECT_TRUE(report.solved && report.faults.empty()) << report.time;
+      if (report.time < 0.2) continue;
+      sum += run.vector("/grasper", "force").norm();
+      ++steps;
+    }
+    EXPECT_NEAR(sum / steps / c.tension, 1, 0.02) << corners;
   }
 }
 
