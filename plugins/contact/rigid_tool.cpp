@@ -42,7 +42,7 @@ void RigidTool::describe(Describe<RigidTool>& d) {
   d.attribute("size", &RigidTool::size_, "m", between(1e-6, 1e3), "Three edges of a box.");
   d.attribute("rounding", &RigidTool::rounding_, "m", between(0, 1e3),
               "Radius to which the edges and corners of a box are rounded.");
-  d.output("force", "N", "Of all contacts on the tool, over the last step.",
+  d.output("force", "N", "Of all contacts on the tool, at the end of the last step.",
            [](const RigidTool& t) { return t.applied_.force; });
   d.output("moment", "N m", "Of all contacts on the tool, about its centre.",
            [](const RigidTool& t) { return t.applied_.moment; });

@@ -54,8 +54,7 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
   d.attribute("file", &CsvProbe::file_, "Name of the file in the output folder.");
   d.attribute("report", &CsvProbe::report_,
               "Adds the columns rows, sweeps, residual, violation, passes, parts, imbalance, "
-              "time_error and "
-              "solved of the step.");
+              "time_error and solved of the step.");
   d.attribute("every", &CsvProbe::every_, at_least(1), "Write each so many steps.");
 }
 

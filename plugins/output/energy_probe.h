@@ -28,8 +28,8 @@ class EnergyProbe : public Component, public Recorder {
 
   Link<Body> body_;
   Vec3 gravity_ = Vec3::Zero();
-  const BodyReport* report_ = nullptr;  ///< of the body
-  Real total_before_ = 0;               ///< at the start (J)
+  const BodyReport* report_ = nullptr;
+  Real total_before_ = 0;  ///< at the start (J)
 };
 
 }  // namespace sutura::output

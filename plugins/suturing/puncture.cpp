@@ -46,10 +46,10 @@ void Puncture::describe(Describe<Puncture>& d) {
       "tip_radius", &Puncture::tip_radius_, "m", between(0, 0.1),
       "Radius of the tip: a small force F dents thick tissue by (1 - nu^2) F / (2 radius "
       "E), whatever the mesh; at the threshold by up to three radii of the disc that bears "
-      "it, so a finer tip makes no difference, nor does one blunter than that disc. 0: as wide as "
-      "the tissue needs to bear the threshold at a "
-      "mean pressure of 0.3 E, up to ten times the radius of the needle. A tip that presses "
-      "harder than 0.45 E on that is a fault of the step.");
+      "it, so a finer tip makes no difference, nor does one blunter than that disc. 0: as "
+      "wide as the tissue needs to bear the threshold at a mean pressure of 0.3 E, up to ten "
+      "times the radius of the needle. A tip that presses harder than 0.45 E on that is a "
+      "fault of the step.");
   d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1e3),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
               "a step; deeper than this "

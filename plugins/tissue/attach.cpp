@@ -50,8 +50,8 @@ void Attach::describe(Describe<Attach>& d) {
   d.output("nodes_held", "1", "Number of nodes held.",
            [](const Attach& a) -> Real { return static_cast<Real>(a.selected_.size()); });
   d.output("reaction", "N",
-           "Force with which this attachment holds the tissue, over the last step. Where several "
-           "hold a node along the same axis, each has its share.",
+           "Force with which this attachment holds the tissue, at the end of the last step. "
+           "Where several hold a node along the same axis, each has its share.",
            [](const Attach& a) -> Vec3 {
              return a.tissue->reaction(a.selected_).cwiseProduct(a.along_);
            });

@@ -322,7 +322,7 @@ void Forceps::describe(Describe<Forceps>& d) {
   describe_times(d,
                  "Time in which the jaws close and bring the strands between them to their middle; "
                  "0: these stay where they were taken.");
-  d.output("force", "N", "Of the jaws on what they hold, over the last step.",
+  d.output("force", "N", "Of the jaws on what they hold, at the end of the last step.",
            [](const Forceps& f) -> Vec3 { return f.applied_.force; });
   d.output("moment", "N m", "Likewise, about their centre.",
            [](const Forceps& f) -> Vec3 { return f.applied_.moment; });

@@ -29,7 +29,7 @@ void Grasper::describe(Describe<Grasper>& d) {
   describe_times(d,
                  "Time in which the section is drawn from where it was taken to the tool's own "
                  "place, where the track leads the point 0 0 0; 0: it stays where it was taken.");
-  d.output("force", "N", "Force of the jaws on the curve over the last step.",
+  d.output("force", "N", "Force of the jaws on the curve, at the end of the last step.",
            [](const Grasper& g) -> Vec3 { return g.wrench().force; });
   d.output("moment", "N m", "Moment of the jaws on the curve, about the held section.",
            [](const Grasper& g) -> Vec3 { return g.wrench().moment; });

@@ -43,7 +43,7 @@ void Track::describe(Describe<Track>& d) {
           "Where the centre is at the end of the next step. From then on the keys count no more.",
           [](Track& t, const Vec3& centre) {
             Pose pose = t.told_ ? t.target_ : t.now_;
-            pose.position = centre - pose.rotation * t.centre_;
+            pose.position = centre - pose.rotation * t.pivot_;
             t.move_to(pose);
           });
   d.input("rotation", "rad", any(),
@@ -51,18 +51,19 @@ void Track::describe(Describe<Track>& d) {
           "or was told to go. From then on the keys count no more.",
           [](Track& t, const Vec3& vector) {
             Pose pose = t.told_ ? t.target_ : t.now_;
-            const Vec3 centre = pose.position + pose.rotation * t.centre_;
+            const Vec3 centre = pose.position + pose.rotation * t.pivot_;
             pose.rotation = rotation_from_vector(vector);
-            pose.position = centre - pose.rotation * t.centre_;
+            pose.position = centre - pose.rotation * t.pivot_;
             t.move_to(pose);
           });
   d.output("position", "m", "Translation p of the motion plus the centre.",
-           [](const Track& t) -> Vec3 { return t.now_.position + t.now_.rotation * t.centre_; });
+           [](const Track& t) -> Vec3 { return t.now_.position + t.now_.rotation * t.pivot_; });
 }
 
 void Track::initialise(Setup& setup) {
   dt_ = setup.dt;
   std::vector<KeyFrame> keys;
+  pivot_ = centre_;
   if (about_ && !find_axis(setup)) return;
   if (!about_ && !turns_.empty()) {
     setup.error(*this, "'turns' needs 'about', the thread whose needle turns");
@@ -80,7 +81,7 @@ void Track::initialise(Setup& setup) {
     setup.error(*this, wrong);
     return;
   }
-  frames_ = KeyFrames(std::move(keys), centre_, easing_);
+  frames_ = KeyFrames(std::move(keys), pivot_, easing_);
   if (const Real turn = frames_.largest_turn(dt_); !(turn < std::numbers::pi)) {
     setup.error(*this, "turns by up to " + format_real(std::round(100 * turn) / 100) +
                            " rad in a step of " + format_real(dt_) +
@@ -207,7 +208,7 @@ bool Track::find_axis(Setup& setup) {
     return false;
   }
   const Vec3 inward = across.normalized();
-  centre_ = tip + chord.squaredNorm() / (2 * chord.dot(inward)) * inward;
+  pivot_ = tip + chord.squaredNorm() / (2 * chord.dot(inward)) * inward;
   // The tip advances against the tangent, which leads from it to the thread.
   axis_ = inward.cross(tangent);
   return true;

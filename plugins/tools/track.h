@@ -41,7 +41,8 @@ class Track : public Component, public Driver, public Tool {
   Vec3 centre_ = Vec3::Zero();
   Easing easing_ = Easing::linear;
 
-  Vec3 axis_ = Vec3::Zero();  ///< of the needle that `about` names
+  Vec3 pivot_ = Vec3::Zero();  ///< about which it turns: `centre`, or that of the needle
+  Vec3 axis_ = Vec3::Zero();   ///< of the needle that `about` names
   KeyFrames frames_;
   Pose before_, now_;  ///< at the start and the end of the last step
   Real dt_ = 0;        ///< of a whole step, s

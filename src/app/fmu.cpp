@@ -96,6 +96,11 @@ bool write(const Contents& contents, const fs::path& file) {
     complain("cannot write " + file.string() + ": its contents are too large for a zip file");
     return false;
   }
+  std::error_code ignored;
+  if (file.has_parent_path() && !fs::is_directory(file.parent_path(), ignored)) {
+    complain("cannot write " + file.string() + ": its folder does not exist");
+    return false;
+  }
   const std::string bytes = std::move(out).str();
   const std::string problem = replace_file(file, std::as_bytes(std::span(bytes)));
   if (!problem.empty()) complain(problem);

@@ -107,7 +107,9 @@ void Simulation::check_gaps() {
   for (const ConstraintBlock& b : problem_.blocks) {
     if (problem_.gap.segment(b.first_row, b.law->dim).allFinite()) continue;
     const std::vector<Component*> components = scene_->components();
-    asked_ = components[static_cast<std::size_t>(source_of(b.key)) - 1];  // numbered from 1
+    const Index source = source_of(b.key);  // numbered from 1, unless its key is made up
+    if (source >= 1 && source <= static_cast<Index>(components.size()))
+      asked_ = components[static_cast<std::size_t>(source) - 1];
     throw std::domain_error("the gap of a row is not a finite number");
   }
 }

@@ -41,7 +41,7 @@ class Bits(unittest.TestCase):
 
     def test_a_run_is_that_of_the_command(self):
         with tempfile.TemporaryDirectory() as folder:
-            sim = sutura.load(STITCHS / "suture/prick.xml", output=f"{folder}/ours")
+            sim = sutura.load(SCENES / "suture/prick.xml", output=f"{folder}/ours")
             with sim.recording():
                 sim.step(30)
                 sim.save(f"{folder}/ours/state")
@@ -52,7 +52,7 @@ class Bits(unittest.TestCase):
             self.assertEqual((ours / "state").read_bytes(),
                              (theirs / "checkpoint.sutura").read_bytes())
             self.assertEqual((ours / "probe.csv").read_bytes(), (theirs / "probe.csv").read_bytes())
-            again = sutura.load(STITCHS / "suture/prick.xml")
+            again = sutura.load(SCENES / "suture/prick.xml")
             again.restore(theirs / "checkpoint.sutura")
             self.assertEqual(again.report.step, 30)
 
@@ -90,7 +90,7 @@ class Bits(unittest.TestCase):
 
     def test_threads_do_not_disturb_each_other(self):
         def run(out, key):
-            with sutura.load(STITCHS / "suture/prick.xml") as sim:
+            with sutura.load(SCENES / "suture/prick.xml") as sim:
                 sim.step(15)
                 out[key] = sim.save()
         alone, together = {}, {}
@@ -153,13 +153,13 @@ class Bits(unittest.TestCase):
                 comma = held_thread().load(settings={".dt": "2.5 ms"})
                 comma.step(3)
                 self.assertEqual(locale.setlocale(locale.LC_ALL), "de_DE.UTF-8")
-                probe = sutura.load(STITCHS / "components/CsvProbe.xml", output=f"{folder}/comma")
+                probe = sutura.load(SCENES / "components/CsvProbe.xml", output=f"{folder}/comma")
                 with probe.recording():
                     probe.step(5)
             finally:
                 locale.setlocale(locale.LC_ALL, "C")
                 del os.environ["LOCPATH"]
-            probe = sutura.load(STITCHS / "components/CsvProbe.xml", output=f"{folder}/plain")
+            probe = sutura.load(SCENES / "components/CsvProbe.xml", output=f"{folder}/plain")
             with probe.recording():
                 probe.step(5)
             self.assertEqual(Path(folder, "comma/probe.csv").read_bytes(),
@@ -197,7 +197,7 @@ class Values(unittest.TestCase):
             sim["/track"].pose = [0, 0], [1, 0, 0, 0]
 
     def test_positions_stay_those_of_their_step(self):
-        sim = sutura.load(STITCHS / "components/Tissue.xml")
+        sim = sutura.load(SCENES / "components/Tissue.xml")
         before = sim["/tissue"].positions
         self.assertIs(sim["/tissue"].positions, before)
         kept = before.copy()
@@ -216,12 +216,12 @@ class Values(unittest.TestCase):
         np.testing.assert_array_equal(before, kept)  # and outlive the simulation
 
     def test_run_ends_where_the_scene_does(self):
-        sim = sutura.load(STITCHS / "suture/prick.xml", settings={".duration": "50 ms"})
+        sim = sutura.load(SCENES / "suture/prick.xml", settings={".duration": "50 ms"})
         self.assertEqual([r.step for r in sim.run()], [1, 2, 3, 4, 5])
         self.assertEqual(len(list(sim.run(0.02))), 2)
 
     def test_picture(self):
-        sim = sutura.load(STITCHS / "suture/prick.xml")
+        sim = sutura.load(SCENES / "suture/prick.xml")
         root = ElementTree.fromstring(sim.picture(width=300))
         self.assertEqual(root.get("width"), "300")
         kinds = [e.tag.rpartition("}")[2] for e in root]
@@ -254,7 +254,7 @@ class Written(unittest.TestCase):
         scene.add("PathFriction", coefficient=0.3, pressure="20 kPa")
         scene.add("VtuRecorder", every=5)
         scene.add("CsvProbe", columns="/puncture.force /grasper.force /path_friction.force")
-        self.assertEqual(scene.load().xml, sutura.load(STITCHS / "suture/prick.xml").xml)
+        self.assertEqual(scene.load().xml, sutura.load(SCENES / "suture/prick.xml").xml)
 
     def test_names_are_those_of_the_library(self):
         for file in (SCENES / "components").glob("*.xml"):
@@ -320,12 +320,12 @@ class Errors(unittest.TestCase):
 
     def test_faults_become_warnings(self):
         crushed = {".gravity": "0 0 -5000"}
-        sim = sutura.load(STITCHS / "components/DirectSolver.xml", settings=crushed)
+        sim = sutura.load(SCENES / "components/DirectSolver.xml", settings=crushed)
         with self.assertWarns(sutura.SuturaWarning) as caught:
             sim.step()
         self.assertEqual(Path(caught.filename).name, "python_test.py")
         heard = []
-        sim = sutura.load(STITCHS / "components/DirectSolver.xml", settings=crushed,
+        sim = sutura.load(SCENES / "components/DirectSolver.xml", settings=crushed,
                           on_message=lambda kind, sentence: heard.append((kind, sentence)))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -335,7 +335,7 @@ class Errors(unittest.TestCase):
     def test_what_a_message_function_raises_arrives(self):
         def refuse(kind, sentence):
             raise RuntimeError(sentence)
-        sim = sutura.load(STITCHS / "components/DirectSolver.xml",
+        sim = sutura.load(SCENES / "components/DirectSolver.xml",
                           settings={".gravity": "0 0 -5000"}, on_message=lambda *_: None)
         sim._messages._receive = refuse
         with self.assertRaises(RuntimeError):

@@ -180,5 +180,5 @@ def loads(xml: str, *, name: str = "scene", directory: PathLike | None = None,
     data = xml.encode()
     where = None if directory is None else os.fsencode(directory)
     return Simulation(*load_with(lambda options, handle: library.sutura_load_text(
-        data, len(data), name.encode(), where, options, handle), _texts(settings), plugin_path, output,
-        allow_outside, on_message, workers))
+        data, len(data), name.encode(), where, options, handle), _texts(settings), plugin_path,
+        output, allow_outside, on_message, workers))

@@ -166,7 +166,8 @@ class Simulation:
 
     def __copy__(self) -> Simulation:
         # It would share the handle, and whichever goes first would destroy both.
-        raise Misuse("a simulation cannot be copied; load the scene again and restore what save() gave")
+        raise Misuse("a simulation cannot be copied; load its scene again and restore what save() "
+                     "gave")
 
     def __deepcopy__(self, memo: object) -> Simulation:
         return self.__copy__()

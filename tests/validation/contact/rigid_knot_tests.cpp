@@ -3,6 +3,11 @@
 // granny).
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iomanip>
+
+#include "contact_scenes.h"
+#include "csv.h"
 #include "scenes/text_run.h"
 #include "sutura/geometry/curve_segments.h"
 
@@ -175,6 +180,47 @@ TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
   EXPECT_GT(slipped_free, 0.5e-3);
   // Six draws slip by 0.77 to 0.93 mm, a mean of 0.84 (free: 0.79 to 0.84, and 0.82).
   EXPECT_NEAR(slipped, slipped_free, 0.1 * slipped_free);
+}
+
+// A right-handed and a left-handed overhand knot on one thread: each is judged by itself, also the
+// one that is judged first, when the other is not known to be a knot yet.
+TEST(Knots, OfOneThreadAreToldApart) {
+  const Table knot = read_csv(SUTURA_SOURCE_DIR "/scenes/knots/overhand_start.csv");
+  const std::string file = SUTURA_BINARY_DIR "/two_knots.csv";
+  std::ofstream table(file);
+  table << std::setprecision(17) << "s [m],curvature [1/m],torsion [1/m]\n";
+  for (const Real hand : {1, -1})
+    for (std::size_t i = 0; i < knot.rows.size(); ++i)
+      table << knot.number(i, "s [m]") + (hand > 0 ? 0 : length) << ','
+            << knot.number(i, "curvature [1/m]") << ',' << hand * knot.number(i, "torsion [1/m]")
+            << '\n';
+  table.close();
+  const auto scene = [&](const std::string& more) {
+    return "<plugin name='contact'/><SutureThread name='s' needle_length='0' thread_young='2 GPa' "
+           "thread_density='1100' thread_diameter='0.2 mm' bending_factor='0.05' "
+           "damping_stiffness='0.1 ms' damping_mass='30 1/s' thread_beams='420' thread_length='" +
+           std::to_string(2 * length) + "' tip_direction='-1 0 0' thread_start_file='" + file +
+           "'/><Contact friction='0.3'/><Knots/>" + more;
+  };
+  const std::string settings = "dt='5 ms' gravity='0 0 0'";
+  TextRun laid(scene(""), settings);
+  ASSERT_TRUE(laid) << laid.said();
+  const Vec3 end = laid.vector("/s", "end_position");
+  TextRun run(scene("<Track name='still' times='0' positions='0 0 0'/><Grasper at='0' "
+                    "track='still' rotation_stiffness='0'/><ThreadLoad at='" +
+                    std::to_string(2 * length) + "' force='" + text_of(0.03 * end.normalized()) +
+                    "' times='0 0.5 s' factors='0 1'/>"),
+              settings);
+  ASSERT_TRUE(run) << run.said();
+  const auto knots = [&](const char* output) { return run.number("/knots", output); };
+  while (run.simulation().time() < 0.75) {
+    run.simulation().step();
+    EXPECT_EQ(knots("throws"), knots("found")) << run.simulation().time();
+  }
+  EXPECT_EQ(knots("found"), 2);
+  EXPECT_EQ(knots("left_throws"), 1);
+  EXPECT_EQ(knots("crossings"), 6);
+  EXPECT_EQ(knots("determinant"), 3);
 }
 
 }  // namespace
