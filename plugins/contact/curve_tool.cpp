@@ -10,7 +10,7 @@ namespace {
 // In units of the radius of the curve.
 constexpr Real margin = 1;       // a touch is built from this far, before there is one
 constexpr Real clearance = 0.5;  // a centreline may come as near to a surface on its way
-constexpr Real dip = 1e-4;       // what a curve may be nearer than at its touches beside
+constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
