@@ -128,14 +128,24 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
   std::array<Real, parts + 1> d;
   for (int k = 0; k <= parts; ++k) d[k] = from_tool(s, Real(k) / parts).distance;
   const auto is_near = [&](Real distance) { return distance < (1 + margin) * radius; };
-  // What was touched before is touched again.
   Real nearest = std::min(d.front(), d.back());
+  const auto touch = [&](Real u, Real distance) {
+    nearest = std::min(nearest, distance);
+    if (is_near(distance)) out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
+  };
+  // A segment that bulges towards the tool is touched at so many places that the curve dips no
+  // further between them. They are fixed on it, so touches are there before it rolls on to them.
+  const Real bulge = (d.front() + d.back()) / 2 - d[parts / 2];
+  int every = parts;
+  for (Real left = bulge; left > dip * radius && every > 1; left /= 4) every /= 2;
+  for (int k = every; k < parts; k += every) touch(Real(k) / parts, d[k]);
+  // What was touched before is touched again.
   for (Real place = s.abscissa(at_node);;) {
     place = before.between(place, s.abscissa(1 - at_node));
     if (std::isnan(place)) break;
-    const Real u = (place - s.from) / s.length(), here = from_tool(s, u).distance;
-    nearest = std::min(nearest, here);
-    if (is_near(here)) out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
+    const Real u = (place - s.from) / s.length(), k = u * parts;
+    const bool is_fixed = std::abs(k - std::round(k)) < at_node;
+    if (!is_fixed) touch(u, from_tool(s, u).distance);
   }
   for (int k = 1; k < parts; ++k) {
     if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
