@@ -44,7 +44,9 @@ class ThreadOnCpu {
     using namespace thread;
     const Real h = p_.dt;
     rod_.springs()[0].target.position += h * velocity;
-    start_.take(rod_);
+    rod_.mark_start();
+    start_.twist = rod_.twist();
+    start_.take(rod_, true);
     guess_.motion.setZero();
     guess_.move(rod_, start_);
     guess_.take_tension();

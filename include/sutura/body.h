@@ -1,9 +1,9 @@
 // A body: something with mass that moves. A curve is asked for its points by abscissa, a solid by
 // element and weights.
 //
-// Every body integrates by implicit Euler on velocity change: A dv = h (f - h K v), A = M + h B +
-// h^2 K, and answers a constraint force lambda (N) by dv += h A^-1 H^T lambda, so W = h^2 H A^-1
-// H^T (m/N).
+// Every body integrates by implicit Euler. At a guess v of the velocity at the end of the step,
+// A dv = M (v_start - v) + h (f(x) + weight - B v + H^T lambda) with A = M + h B + h^2 K. A change
+// of lambda (N) is answered by dv += h A^-1 H^T lambda, so W = h^2 H A^-1 H^T (m/N). docs/step.md.
 #pragma once
 
 #include <array>
@@ -22,8 +22,11 @@ struct StepContext {
   Real time = 0;   ///< s, at the start of the step
   Index step = 0;  ///< 0, 1, ...
   Index pass = 0;  ///< of this step: 0 at the first guess
+  /// In time: of 2, a body may look back two steps (docs/theory/thread.md). 1 where there are rows.
+  Index order = 1;
   Vec3 gravity = Vec3::Zero();
   Real tolerance = 1e-2;  ///< the largest relative imbalance that the end of the step may have
+  Real early = 0;  ///< what is due by `time + early` happens at `time` (s; Driver::next_event)
   Real end() const { return time + dt; }
 };
 

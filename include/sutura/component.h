@@ -69,6 +69,9 @@ struct Setup {
   /// Those of `attributes` that the scene gives mean nothing: "'size' has no effect: " and why.
   void warn_without_effect(const Component& who, std::initializer_list<const char*> attributes,
                            const std::string& why);
+  /// Of keys at `times` (s, increasing), some are closer together than a step, which looks at one
+  /// time only.
+  void warn_of_hidden_keys(const Component& who, const std::vector<Real>& times);
 };
 
 class Component {

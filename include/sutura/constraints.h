@@ -111,8 +111,8 @@ class ConstraintBuilder {
     return add_block(&law_operations<L>, key, &params, gap.data(), mode, units);
   }
   /// Other blocks may say the same as this one, or contradict it, as touches that lie close
-  /// together do. The solver may then leave a gap of it a little wrong in one pass; the next takes
-  /// that back.
+  /// together do. The solver may then leave a small error in one pass, which the next one takes
+  /// back.
   void mark_redundant(BlockId block);
   /// The force with which a block begins whose key was not there before (N, one per row): of a
   /// touch that has been without rows for a while.

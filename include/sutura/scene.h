@@ -36,6 +36,7 @@ struct StepLimits {
   Real gap_tolerance = 1e-6;  ///< of the distance of every constraint from its law, m
   Real time_tolerance = 0;    ///< of what its length costs it (BodyReport::time_error), m; 0: any
   Index passes = 20;          ///< before a step is divided
+  Index time_order = 1;       ///< 2: of threads, in steps without rows
   Index substeps = 16;        ///< into which a step may be divided, a power of 2; 1: never
 };
 

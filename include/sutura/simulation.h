@@ -57,13 +57,15 @@ struct StepReport {
   Index rows = 0;
   SolveReport solve;  ///< of the last pass; events are those of the whole step
   Index passes = 0;   ///< of all parts of the step, failed tries included
-  /// Into how many the step was divided. Events divide it into stretches, of each of which its
-  /// finest division counts.
+  /// Into how many the step was divided: the sum, over what lies between two events, of the most
+  /// parts that were tried.
   Index parts = 1;
+  Index order = 1;     ///< in time: 2 if the scene asks for it and no part had rows
   bool solved = true;  ///< every part met the tolerances
   /// Of the steps so far, this one included: not solved, or with faults. Part of the state, so a
   /// run that goes on from a state knows what the run before it missed.
   Index missed_steps = 0;
+  bool missed() const { return !solved || !faults.empty(); }  ///< this step
   Real violation = 0;  ///< of the end state, largest distance of a block from its law (m)
   std::vector<BodyReport> bodies;  ///< in the order of Simulation::bodies
   bool finite = true;
@@ -89,7 +91,8 @@ class Driver {
   /// step of no length, where a body settles.
   virtual void drive(const StepContext& context) = 0;
   /// First time after `time` at which it does something at once, as jaws open or blades close (s);
-  /// infinity if there is none. A step that such a time lies in is divided there.
+  /// infinity if there is none. A step that such a time lies in is divided there, or up to an
+  /// eighth of a step earlier: `drive` then does what is due by `context.time + context.early`.
   virtual Real next_event(Real /*time*/) const { return std::numeric_limits<Real>::infinity(); }
 };
 
@@ -186,11 +189,14 @@ class Simulation {
   std::string ask_recorder(Recorder& recorder, const Call& call);
   std::string take_folder(bool files_stay);
   void take_step(Timer& timer);
-  Real next_event(Real begin, Real end);
-  void take_stretch(Real begin, Real length, Timer& timer);
+  Real due_at(Real begin, Real end) const;
+  Real next_event(Real due, Real end);
+  void take_stretch(Real begin, Real length, Real due, Timer& timer);
   void begin_report();
   void record();
   bool balance(StepContext context, Timer& timer);
+  bool needs_first_order(const StepContext& context) const;
+  bool balance_in_first_order(StepContext context, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
   void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);

@@ -19,7 +19,7 @@
 namespace sutura::contact {
 namespace {
 
-// What slips slower than this does not slide, and may hold by static friction again.
+// A touch that slips slower than this sticks, and may hold by static friction again.
 constexpr Real slow = 1e-4;  // m/s
 
 }  // namespace

@@ -119,7 +119,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   around_.clear();
   surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
   if (around_.empty()) return;
-  std::sort(around_.begin(), around_.end());  // the order of a tree is no order of its own
+  std::sort(around_.begin(), around_.end());  // so that no result hangs on the search
 
   // Does the way lead through?
   const Vec3 common = s.xa - s0.xa;

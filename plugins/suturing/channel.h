@@ -116,8 +116,8 @@ class Channel {
   std::vector<PathSample> samples_;
   std::size_t passed_ = 0;
   Real end_depth_ = 0;
-  Real ahead_ = 0;  ///< the mouth of the open bite, of the tip (m)
-  Real lead_ = 0;   ///< how far it may be ahead: as far as it was when pierced or blocked (m)
+  Real ahead_ = 0;  ///< how far the mouth of the open bite lies in front of the tip (m)
+  Real lead_ = 0;   ///< how far it may: as far as it did when pierced or blocked (m)
   bool got_out_ = false;
   EmbeddedPoint end_;
   std::uint64_t next_id_ = 0;

@@ -6,7 +6,7 @@
 // tip is behind the end; lambda (N) pushes the tip back. Behind the end: no force (re-insertion
 // along an old path is free). At the end: as much as it takes, up to fc. Beyond (delta < 0, lambda
 // = fc): the tip cuts, and the source moves the end by -delta in commit. The law needs no event: a
-// cut is recorded after the step, from the converged delta. Source: algorithms.md B.6.
+// cut is recorded after the step, from the converged delta. Source: as of puncture_law.h, 4.3.
 #pragma once
 
 #include <algorithm>

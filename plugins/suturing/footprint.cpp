@@ -18,7 +18,7 @@ constexpr Real widest = 10;      // disc, in units of the radius of the shaft
 constexpr Real deepest = 3;      // dent of the near field, of the disc: linear theory says no more
 
 constexpr Real most_stretch = 4;  // what is further apart now than that, of rest, is torn apart
-constexpr Real as_far = 2;        // from its goal a sliding point finds the surface, in its way
+constexpr Real as_far = 2;        // search radius, by how far a point slides
 
 /// A direction along the surface that belongs to the mesh and not to the axes of the world: the
 /// edge of the tetrahedron under it that lies flattest.

@@ -9,7 +9,7 @@
 // delta / dt is the speed. Closed form for one block: with stick candidate -d / w,
 //   |d| <= w R: lambda = -d / w,   else |delta| = (|d| - w R) / (1 + w c), lambda = -sign(d) (R + c
 //   |delta|),
-// unique for w > 0, c >= 0 (algorithms.md B.6).
+// unique for w > 0, c >= 0.
 //
 // Between Rk and Rs both rest and slip would be answers. So each mode has one level and is monotone
 // (the solution does not depend on sweeps or order), and break-away, from `stick` to `slip`, is an

@@ -27,10 +27,9 @@ void Puncture::describe(Describe<Puncture>& d) {
   d.theory(
       "Paper, section 4.2: 0 <= delta _|_ lambda >= 0 while lambda < fp; 0 <= -delta _|_ fp - "
       "lambda >= 0 while lambda > 0, "
-      "delta = n^T (tip - surface point). The puncture fires only on converged multipliers, all "
-      "due ones at once, and the "
-      "solve goes on with the law of the pierced state: bilateral across the needle, cutting along "
-      "it.");
+      "delta = n^T (tip - surface point). Punctures that are due fire together, once the end of "
+      "the step has been measured; another pass follows with the law of the pierced state: "
+      "bilateral across the needle, cutting along it.");
   d.link("path", &Puncture::path_, "The channel that begins and ends at the punctures.");
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
   d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")

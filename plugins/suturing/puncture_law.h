@@ -21,7 +21,7 @@
 // layer under another one is an entry whose normal is the axis of the needle.
 //
 // The rows stay in one fixed basis, so that the law can change its directions inside a solve.
-// Source: the paper's section on puncture; algorithms.md B.6.
+// Source: "Interactive simulation of surgical suturing" (anonymous draft), section 4.2.
 #pragma once
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 
 #include "sutura/archive.h"
 #include "sutura/laws/unilateral.h"
+#include "sutura/units.h"
 
 namespace sutura::thread {
 
@@ -15,7 +16,7 @@ void Elongation::describe(Describe<Elongation>& d) {
       "(bowing included, "
       "docs/theory/thread.md), so a bend hides no stretch; lambda >= 0 is the tension beyond that "
       "of the "
-      "elastic thread (N). Law: unilateral.");
+      "elastic thread (N). Law: unilateral. Intervals end at a beam that is cut or torn.");
   d.attribute("limit", &Elongation::limit, "1", between(1e-6, 10), "Largest strain.");
   d.attribute("interval", &Elongation::interval, between(1, 4),
               "Beams per row: more is cheaper, the limit then holds for their mean strain.");
@@ -31,12 +32,39 @@ void Elongation::archive(Archive& a) {
   a("active", active_);
 }
 
-void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
-  blocks_.clear();
+/// A balance of `settle` knows no limit. To draw the thread together at once would throw it.
+void Elongation::ready(Setup& setup) {
   const Rod& rod = thread->rod();
   ElementState s;
-  for (Index first = 0; first < rod.beams(); first += interval) {
-    const Index last = std::min(first + interval, rod.beams());
+  Real most = 0;
+  for (Index e = 0; e < rod.beams(); ++e) {
+    rod.element_state(e, s);
+    most = std::max(most, s.strain);
+  }
+  if (most > limit * (1 + 1e-6))
+    setup.error(*this, "the thread begins with a strain of " + format_real(most) +
+                           ", beyond 'limit'; lay it out shorter, or without 'settle', which does "
+                           "not know of the limit");
+}
+
+Elongation::Interval Elongation::interval_from(Index beam) const {
+  const Rod& rod = thread->rod();
+  while (beam < rod.beams() && rod.is_cut(beam)) ++beam;
+  Index last = beam;
+  while (last < rod.beams() && last - beam < interval && !rod.is_cut(last)) ++last;
+  return {beam, last};
+}
+
+void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
+  blocks_.clear();
+  tensions_.clear();
+  const Rod& rod = thread->rod();
+  ElementState s;
+  Index next = 0;
+  while (next < rod.beams()) {
+    const auto [first, last] = interval_from(next);
+    next = last;
+    if (first == last) break;
     // In a rigid stretch nothing gets longer.
     if (rod.stretches().lead(first) == rod.stretches().lead(last)) continue;
     PointJacobian J;
@@ -68,16 +96,19 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
                                                   {.force = 0.1, .length = limit * length});
     builder.couple(block, *thread, Eigen::Matrix<Real, 1, 3>(along.transpose()), J, at.position);
     blocks_.push_back(block);
+    tensions_.push_back({rod.abscissa()[first], rod.abscissa()[last], 0});
   }
 }
 
 void Elongation::commit(const StepContext&, const SolvedBlocks& solved) {
   largest_force_ = 0;
   active_ = 0;
-  for (const BlockId block : blocks_) {
-    largest_force_ = std::max(largest_force_, solved.lambda(block)[0]);
-    active_ += solved.mode(block) == Unilateral::closed;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    tensions_[i].tension = solved.lambda(blocks_[i])[0];
+    largest_force_ = std::max(largest_force_, tensions_[i].tension);
+    active_ += solved.mode(blocks_[i]) == Unilateral::closed;
   }
+  thread->bear(tensions_);
 }
 
 }  // namespace sutura::thread

@@ -15,6 +15,7 @@ class Elongation : public Component, public ConstraintSource {
   static void describe(Describe<Elongation>& d);
 
   void initialise(Setup& setup) override { source_id_ = setup.source_id; }
+  void ready(Setup& setup) override;
   void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
@@ -23,8 +24,16 @@ class Elongation : public Component, public ConstraintSource {
   Index active() const { return active_; }
 
  private:
+  /// Beams first .. last - 1, none of them cut. The next one begins at `last` or after it; none
+  /// does where that is not before the end.
+  struct Interval {
+    Index first, last;
+  };
+  Interval interval_from(Index beam) const;
+
   Index source_id_ = 0;
   std::vector<BlockId> blocks_;
+  std::vector<SutureThread::LimitTension> tensions_;  ///< of each block
   Real largest_force_ = 0;
   Index active_ = 0;
 };

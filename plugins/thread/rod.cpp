@@ -90,8 +90,17 @@ void Rod::reserve(Index beams) {
 }
 
 void Rod::cut(Index beam) {
+  const Vec3 before = momentum();
   cut_[static_cast<std::size_t>(beam)] = 1;
   renew(beam);
+  // Its mass had moved as its shape did, and now moves with its ends. What that loses of momentum
+  // the ends take up, with the halves of beams that go with them.
+  Real moved = elements_[static_cast<std::size_t>(beam)].mass;
+  if (beam > 0) moved += elements_[static_cast<std::size_t>(beam - 1)].mass / 2;
+  if (beam + 1 < beams()) moved += elements_[static_cast<std::size_t>(beam + 1)].mass / 2;
+  const Vec3 change = (before - momentum()) / moved;
+  for (const Index end : {beam, beam + 1})
+    if (!is_clamped(end)) velocity_.segment<3>(6 * end) += change;
 }
 
 Index Rod::cuts() const {

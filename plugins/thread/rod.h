@@ -76,7 +76,8 @@ class Rod {
   const std::vector<Real>& twist() const { return twist_; }
   DofVector& velocity() { return velocity_; }
   const DofVector& velocity() const { return velocity_; }
-  /// The beam bears nothing from now on; half of its mass stays with each of its ends.
+  /// The beam bears nothing from now on; half of its mass stays with each of its ends. Linear
+  /// momentum stays as it is.
   void cut(Index beam);
   bool is_cut(Index beam) const { return cut_[static_cast<std::size_t>(beam)] != 0; }
   Index cuts() const;

@@ -7,32 +7,17 @@
 namespace sutura::thread {
 
 void RodStart::resize(Index nodes) {
-  const auto n = static_cast<std::size_t>(nodes);
-  for (auto* v : {&load, &velocity}) v->clear(6 * nodes);
-  tangent_rate.assign(n, Vec3::Zero());
-  twist.assign(n - 1, 0);
-  deformation.resize(n - 1);
+  RodMoment::resize(nodes);
+  load.clear(6 * nodes);
+  twist.assign(static_cast<std::size_t>(nodes - 1), 0);
+  carried.resize(nodes);
 }
 
 void RodStart::reserve(Index nodes) {
-  const auto n = static_cast<std::size_t>(nodes);
-  for (auto* v : {&load, &velocity}) v->reserve(6 * nodes);
-  tangent_rate.reserve(n);
-  twist.reserve(n);
-  deformation.reserve(n);
-}
-
-void RodStart::take(Rod& rod) {
-  rod.mark_start();
-  twist = rod.twist();
-  velocity = rod.velocity();
-  for (Index i = 0; i < rod.nodes(); ++i)
-    tangent_rate[i] = Vec3(velocity.segment<3>(6 * i + 3)).cross(tangent(rod.poses()[i]));
-  ElementState s;
-  for (Index e = 0; e < rod.beams() && damping.stiffness > 0; ++e) {
-    rod.element_state(e, s);
-    deformation[e] = Deformation(s, rod.poses()[e], rod.poses()[e + 1]);
-  }
+  RodMoment::reserve(nodes);
+  load.reserve(6 * nodes);
+  twist.reserve(static_cast<std::size_t>(nodes));
+  carried.reserve(nodes);
 }
 
 void ConstraintForce::resize(Index nodes) {
@@ -102,9 +87,12 @@ void RodGuess::move(Rod& rod, const RodStart& start) {
   move_chain(from, start.twist, motion, rod.poses(), rod.twist());
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Vec3 turn = motion.segment<3>(6 * i + 3), before = tangent(from[i]);
-    rod.velocity().segment<3>(6 * i) = motion.segment<3>(6 * i) / start.dt;
-    rod.velocity().segment<3>(6 * i + 3) =
-        (turn + turn.dot(before) * (tangent(rod.poses()[i]) - before)) / start.dt;
+    const Vec3 now = tangent(rod.poses()[i]);
+    const auto carried = start.carried.shift_and_tilt.segment<6>(6 * i);
+    rod.velocity().segment<3>(6 * i) = (motion.segment<3>(6 * i) - carried.head<3>()) / start.dt;
+    rod.velocity().segment<3>(6 * i + 3) = (turn + turn.dot(before) * (now - before) -
+                                            carried.tail<3>() - start.carried.roll[i] * now) /
+                                           start.dt;
   }
   evaluate(rod, start);
 }

@@ -10,8 +10,7 @@
 
 #include <vector>
 
-#include "rod.h"
-#include "viscosity.h"
+#include "rod_history.h"
 
 namespace sutura::thread {
 
@@ -21,21 +20,18 @@ struct RodDamping {
 };
 
 /// What a step begins from, and what goes on all the time. The poses of the start are the rod's
-/// (Configuration::start).
-struct RodStart {
+/// (Configuration::start). A step that looks two steps back has a moment and a length of its own
+/// making (rod_history.h).
+struct RodStart : RodMoment {
   Real dt = 0;
   Vec3 gravity = Vec3::Zero();
   RodDamping damping;
-  DofVector load;                        ///< dead loads, N, N m; 6 per node
-  DofVector velocity;                    ///< 6 per node
-  std::vector<Vec3> tangent_rate;        ///< per node, 1/s
-  std::vector<Real> twist;               ///< per beam, rad
-  std::vector<Deformation> deformation;  ///< per beam; kept only where there is viscosity
+  DofVector load;           ///< dead loads, N, N m; 6 per node
+  std::vector<Real> twist;  ///< per beam, rad
+  RodMotion carried;        ///< what of the motion from the start is no velocity: 0, or c u_before
 
   void resize(Index nodes);
   void reserve(Index nodes);
-  /// The step begins where the rod is.
-  void take(Rod& rod);
 };
 
 /// The forces of constraints on the nodes, as they act while a rod goes from one guess to the next:
@@ -73,7 +69,7 @@ struct RodGuess {
   ConstraintForce force;
   std::vector<Real> tension;  ///< per beam, that the pass before predicted, N
 
-  // What `move_to` and `evaluate` find there.
+  // What `move` and `evaluate` find there.
   std::vector<ElementState> beams;
   DofVector missing;  ///< r: momentum due without forces of constraints (N s, N m s; 6 per node)
   std::vector<AtWork> at_work;  ///< per node, without the forces of constraints
@@ -84,7 +80,7 @@ struct RodGuess {
   void move(Rod& rod, const RodStart& start);
   /// The tension is that of the beams as they are.
   void take_tension();
-  /// Of the spring, on the section that it holds.
+  /// Force and moment of the spring on the section that it holds.
   Wrench wrench(const Rod& rod, const NodeSpring& spring) const {
     return spring.wrench(rod.poses()[spring.node], roll(rod, spring));
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dead_moment.h"
 #include "rod_way.h"
 
 namespace sutura::thread {
@@ -87,6 +88,7 @@ StaticReport solve_static(Rod& rod, const Vec3& gravity, const VecX& load, Real 
   const Real unit_stiffness = rod.element(rod.beams() - 1).bend_1 / (spacing * spacing);
   rod.velocity().setZero();
   BlockTridiagonal tangent, shifted;
+  DeadMoments moments;
   VecX r(rod.dofs()), step(rod.dofs());
   std::vector<Real> tension(static_cast<std::size_t>(rod.beams()));
   ElementState s;
@@ -123,6 +125,8 @@ StaticReport solve_static(Rod& rod, const Vec3& gravity, const VecX& load, Real 
     }
     step = r;
     shifted.solve(Eigen::Ref<VecX>(step));
+    moments.turn(
+        rod, load, 1, [&](MatX& x) { shifted.solve(Eigen::Ref<MatX>(x)); }, step);
     const Real factor = std::min(1., turn_limit / largest_turn(rod, Configuration::current, step));
     for (Index e = 0; e < rod.beams(); ++e) {
       rod.element_state(e, s);

@@ -34,26 +34,36 @@ Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const Elem
 void RodStep::fit(const Rod& rod) {
   const Index n = rod.nodes();
   start_.resize(n);
+  now_.resize(n);
+  before_.resize(n);
   guess_.resize(n);
   way_.resize(n);
   matrix_.resize(rod.stretches().blocks());
   for (auto* v : {&change_, &answer_}) v->clear(6 * n);
+  viscous_tension_.assign(static_cast<std::size_t>(n - 1), 0);
   in_step_ = false;
 }
 
 void RodStep::reserve(Index beams) {
   const Index n = beams + 1;
   start_.reserve(n);
+  now_.reserve(n);
+  before_.reserve(n);
   guess_.reserve(n);
   way_.reserve(n);
   matrix_.reserve(n);
   for (auto* v : {&change_, &answer_}) v->reserve(6 * n);
+  viscous_tension_.reserve(static_cast<std::size_t>(n));
 }
 
 void RodStep::archive(Archive& a, const Rod& rod) {
   a("pushed", pushed_);
   guess_.force.at.archive(a, "force");  // the first guess asks which nodes are pushed
   if (guess_.force.at.size() != rod.dofs()) a.fail("the state of another thread");
+  before_.archive(a, rod);
+  a("viscous_tension", viscous_tension_);
+  if (viscous_tension_.size() + 1 != static_cast<std::size_t>(rod.nodes()))
+    a.fail("the state of another thread");
   if (a.restoring()) in_step_ = false;
 }
 
@@ -64,21 +74,46 @@ void RodStep::set_load(const VecX& load) {
     start_.load.setZero();
 }
 
-void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity) {
+/// What the step begins from, one step back or two.
+void RodStep::set_start(Real dt) {
+  const Real w = before_.length > 0 ? dt / before_.length : 0;
+  constexpr Real longest = 2;  // beside the step before
+  const bool two_back = order_ == 2 && w > 0 && w <= longest;
+  share_ = two_back ? w * w / (1 + 2 * w) : 0;
+  start_.dt = two_back ? dt * (1 + w) / (1 + 2 * w) : dt;
+  if (two_back) {
+    start_.extrapolate(now_, before_.start, share_);
+    start_.carried.scale(before_.motion, share_);
+  } else {
+    static_cast<RodMoment&>(start_) = now_;
+    start_.carried.set_zero();
+  }
+}
+
+void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   assert(guess_.motion.size() == rod.dofs());  // else `fit` was forgotten
-  start_.dt = dt;
   start_.gravity = gravity;
   start_.damping = damping;
-  if (!in_step_) start_.take(rod);
+  if (!in_step_) {
+    rod.mark_start();
+    start_.twist = rod.twist();
+    now_.take(rod, damping.stiffness > 0);
+  }
   in_step_ = true;
+  length_ = dt;
+  order_ = order;
+  set_start(dt);
   guess_.motion.setZero();
   guess_.move(rod, start_);
   guess_.take_tension();
   // Going on as before is the better guess, unless it turns beams too far for anything to be
   // linear. A rod that nothing holds also falls.
-  answer_ = dt * start_.velocity;
+  const Real h = start_.dt;
+  answer_ = start_.carried.shift_and_tilt + h * start_.velocity;
+  for (Index i = 0; i < rod.nodes() && share_ > 0; ++i)
+    answer_.segment<3>(6 * i + 3) += start_.carried.roll[i] * tangent(rod.poses()[i]);
   const bool falls = !pushed_ && !rod.is_held();
-  for (Index i = 0; i < rod.nodes() && falls; ++i) answer_.segment<3>(6 * i) += dt * dt * gravity;
+  for (Index i = 0; i < rod.nodes() && falls; ++i) answer_.segment<3>(6 * i) += h * h * gravity;
   rod.stretches().spread(rod.poses(), answer_);
   if (largest_turn(rod, Configuration::start, answer_) > turn_limit) return;
   way_.aim(rod, guess_, answer_);
@@ -94,6 +129,8 @@ bool RodStep::linearise(const Rod& rod, const Dofs& force) {
   }
   change_ = guess_.missing + start_.dt * force;
   answer(rod, change_);
+  moments_.turn(
+      rod, start_.load, start_.dt * start_.dt, [&](MatX& x) { answer(rod, x); }, change_);
   return true;
 }
 
@@ -168,10 +205,16 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
 
 Real RodStep::time_error(const Rod& rod) const {
   Real most = 0;
-  for (Index i = 0; i < rod.nodes(); ++i)
-    if (!rod.is_held(i))
-      most = std::max(most, (rod.velocity() - start_.velocity).segment<3>(6 * i).squaredNorm());
-  return start_.dt / 2 * std::sqrt(most);
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    if (rod.is_held(i)) continue;
+    Vec3 change = rod.velocity().segment<3>(6 * i) - now_.velocity.segment<3>(6 * i);
+    if (share_ > 0)
+      change -=
+          length_ / before_.length * (now_.velocity - before_.start.velocity).segment<3>(6 * i);
+    most = std::max(most, change.squaredNorm());
+  }
+  constexpr Real bdf2 = 2. / 9;  // of h^3 times the third derivative, with equal steps
+  return (share_ > 0 ? bdf2 : 0.5) * length_ * std::sqrt(most);
 }
 
 void RodStep::end(Rod& rod, const Dofs& force) {
@@ -184,6 +227,15 @@ void RodStep::end(Rod& rod, const Dofs& force) {
     if (!spring.active) continue;
     spring.roll = guess_.roll(rod, spring);
     spring.applied = spring.wrench(rod.poses()[spring.node], spring.roll);
+  }
+  for (Index e = 0; e < rod.beams() && damping.stiffness > 0; ++e)
+    viscous_tension_[e] = damping.stiffness / start_.dt * rod.element(e).axial *
+                          (guess_.beams[e].strain - start_.deformation[e].strain);
+  before_.length = 0;
+  if (order_ == 2) {
+    before_.length = length_;
+    before_.start = now_;
+    before_.motion.take(rod, guess_.motion);
   }
   in_step_ = false;
 }

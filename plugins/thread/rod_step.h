@@ -1,5 +1,5 @@
-// One implicit Euler step of a rod, solved in passes. The passes are the caller's (step.cpp of the
-// runtime).
+// One step of a rod by implicit Euler or, where it looks back two steps, by BDF2 (rod_history.h),
+// solved in passes. The passes are the caller's (step.cpp of the runtime).
 //
 // A guess of the end of the step (rod_guess.h) lacks the momentum r. A pass solves A dv = r
 // (rod_tangent.h) and goes on by the answer (rod_way.h), as far as the potential falls
@@ -8,6 +8,7 @@
 #pragma once
 
 #include "block_tridiagonal.h"
+#include "dead_moment.h"
 #include "rod_guess.h"
 #include "rod_tangent.h"
 #include "rod_way.h"
@@ -30,8 +31,9 @@ class RodStep {
 
   /// Dead loads of the steps to come (N, N m; 6 per node), or empty: none.
   void set_load(const VecX& load);
-  /// Begins a step where the last one ended, or the same step anew with another length.
-  void begin(Rod& rod, Real dt, const Vec3& gravity);
+  /// Begins a step where the last one ended, or the same step anew with another length or order.
+  /// Of `order` 2 it looks back two steps, if the last one was begun so and is not too short.
+  void begin(Rod& rod, Real dt, const Vec3& gravity, Index order = 1);
   /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
   /// if A is not positive definite.
   bool linearise(const Rod& rod, const Dofs& force);
@@ -43,7 +45,8 @@ class RodStep {
   bool went_part_way() const { return part_way_; }
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Rod& rod, const Dofs& force) const;
-  /// h/2 times the change of velocity, the largest over the nodes that nothing holds (m).
+  /// h/2 times the change of velocity, the largest over the nodes that nothing holds (m); two steps
+  /// back, what BDF2 leaves out of the motion in a step.
   Real time_error(const Rod& rod) const;
   /// A balanced guess that is no minimum of the potential, with what constraints push held where it
   /// is, moves on to where that is lower. False if it is a minimum.
@@ -56,6 +59,10 @@ class RodStep {
   /// Returns the passes, 0 if they did not get there.
   Index advance(Rod& rod, Real dt, const Vec3& gravity, const Dofs& force, Real tolerance = 1e-9);
 
+  /// Tension of the beam by its viscosity at the end of the last step (N).
+  Real viscous_tension(Index beam) const {
+    return viscous_tension_[static_cast<std::size_t>(beam)];
+  }
   const RodStart& start() const { return start_; }
   const RodGuess& guess() const { return guess_; }
   /// Change of the guess, in velocity, that answers what is missing of balance.
@@ -64,14 +71,22 @@ class RodStep {
   const BlockTridiagonal& matrix() const { return matrix_; }
 
  private:
+  void set_start(Real dt);
   void take_change(Rod& rod);
   bool buckles(const Rod& rod);
 
   RodStart start_;
+  RodMoment now_;      ///< as the step begins
+  RodHistory before_;  ///< of the last step, if that was begun with order 2
+  Real length_ = 0;    ///< of the step (s)
+  Index order_ = 1;    ///< that was asked for
+  Real share_ = 0;     ///< c; 0: one step back
   RodGuess guess_;
   RodWay way_;
   BlockTridiagonal matrix_;
   DofVector change_, answer_;
+  DeadMoments moments_;
+  std::vector<Real> viscous_tension_;  ///< per beam
   bool in_step_ = false;
   bool pushed_ = false;  ///< by constraints, in the last step
   bool part_way_ = false;

@@ -26,6 +26,11 @@ void SutureThread::archive(Archive& a) {
   rod_.archive(a);
   if (a.restoring() && a.ok()) step_.fit(rod_);
   step_.archive(a, rod_);
+  a.list("limits", limits_, [](Archive& each, LimitTension& limit) {
+    each("from", limit.from);
+    each("to", limit.to);
+    each("tension", limit.tension);
+  });
   a("factored", factored_);
 }
 
@@ -116,7 +121,7 @@ void SutureThread::build() {
 void SutureThread::begin_step(const StepContext& context) {
   factored_ = true;
   step_.set_load(load());
-  step_.begin(rod_, context.dt, context.gravity);
+  step_.begin(rod_, context.dt, context.gravity, context.order);
 }
 
 void SutureThread::linearise(const StepContext&, const VecX& force) {
@@ -138,7 +143,8 @@ bool SutureThread::leave_saddle() {
 
 void SutureThread::end_step(const StepContext&, const VecX& force) {
   step_.end(rod_, force);
-  if (strength > 0) break_where_too_taut();
+  limits_.clear();
+  break_where_too_taut();
   if (sampling_angle > 0) resample();
 }
 
@@ -156,15 +162,31 @@ std::string SutureThread::uncuttable() const {
   return sampling_angle > 0 ? "a thread with 'sampling_angle' cannot be cut: its beams change" : "";
 }
 
+void SutureThread::bear(const std::vector<LimitTension>& limits) {
+  limits_.insert(limits_.end(), limits.begin(), limits.end());
+  break_where_too_taut();
+}
+
+/// Of a beam: of its elastic thread, of its viscosity, and what limits of stretch bear.
+Real SutureThread::tension_of(Index beam, const ElementState& state) const {
+  Real sum = state.tension + step_.viscous_tension(beam);
+  const Real middle = (rod_.abscissa()[beam] + rod_.abscissa()[beam + 1]) / 2;
+  for (const LimitTension& limit : limits_)
+    if (limit.from < middle && middle < limit.to) sum += limit.tension;
+  return sum;
+}
+
 void SutureThread::break_where_too_taut() {
+  if (strength == 0) return;
   Index weakest = -1;
   Real most = strength;
   ElementState s;
   for (Index e = 0; e < rod_.beams(); ++e) {
+    if (rod_.is_cut(e) || rod_.abscissa()[e] < shape_.needle_length) continue;
     rod_.element_state(e, s);
-    if (rod_.is_cut(e) || rod_.abscissa()[e] < shape_.needle_length || !(s.tension > most))
-      continue;
-    most = s.tension;
+    const Real tension = tension_of(e, s);
+    if (!(tension > most)) continue;
+    most = tension;
     weakest = e;
   }
   if (weakest >= 0) cut_beam(weakest);

@@ -120,6 +120,13 @@ class SutureThread : public Component,
   void add_load(Index hold, const Wrench& wrench);
   /// Of the beam at s: mean curvature (1/m), twist per length (rad/m), axial force (N) and the
   /// whole force (N) with which what follows draws what comes before: along the beam and across it.
+  /// Between these abscissae a limit of stretch bears so much tension (N) beside the elastic
+  /// thread, at the end of the step. To be said when the step is committed; the thread tears then
+  /// where that is too much.
+  struct LimitTension {
+    Real from = 0, to = 0, tension = 0;
+  };
+  void bear(const std::vector<LimitTension>& limits);
   struct SectionState {
     Real curvature = 0, twist = 0, tension = 0;
     Vec3 force = Vec3::Zero();
@@ -144,6 +151,7 @@ class SutureThread : public Component,
   Section section(Real s) const;
   Real drawn_radius(Real s) const;
   void resample();
+  Real tension_of(Index beam, const ElementState& state) const;
   void break_where_too_taut();
   void cut_beam(Index beam);
   Index node_at(Real s) const;
@@ -152,6 +160,7 @@ class SutureThread : public Component,
   RodStep step_;
   Resampler resampler_;
   SutureShape shape_;
+  std::vector<LimitTension> limits_;  ///< in the last step
   SamplingRules rules_;
   SamplingWork sampling_work_;
   std::vector<Real> holds_;  ///< abscissae

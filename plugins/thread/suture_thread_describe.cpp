@@ -105,11 +105,11 @@ void SutureThread::describe(Describe<SutureThread>& d) {
               "Viscosity: time by which stress goes with the rate of strain, bend and twist.");
   d.attribute(
       "strength", &T::strength, "N", between(0, 1e6),
-      "Tension at which the thread breaks, at the end of the step and for good, in the beam "
-      "with the largest; 0: never. Not together with 'sampling_angle'.");
+      "Tension (see ThreadProbe) at which the thread breaks, at the end of the step and for good, "
+      "in the beam with the largest; 0: never. Not together with 'sampling_angle'.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
-              "Linearisations per time step: 1 is enough for most scenes, more follow fast large "
-              "motion more closely.");
+              "Linearisations of a step, at least; more follow until the tolerance of the scene is "
+              "met.");
 
   d.output("tip_position", "m", "Position of abscissa 0.",
            [](const T& t) { return t.rod_.poses().front().position; });

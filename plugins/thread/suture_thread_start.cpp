@@ -200,8 +200,10 @@ SutureThread::SectionState SutureThread::section_state(Real s) const {
   const Index e = place(rod_, s).beam;
   ElementState state;
   rod_.element_state(e, state);
-  return {beam_curvature(rod_, e), state.twist / rod_.element(e).length, state.tension,
-          gradient(rod_.element(e), state).v};
+  const Real tension = tension_of(e, state), beside = tension - state.tension;
+  const Vec3 draws = rod_.element(e).length * strain_gradient(rod_.element(e), state).head<3>();
+  return {beam_curvature(rod_, e), state.twist / rod_.element(e).length, tension,
+          gradient(rod_.element(e), state).v + beside * draws};
 }
 
 }  // namespace sutura::thread

@@ -8,13 +8,12 @@ void ThreadProbe::describe(Describe<ThreadProbe>& d) {
   using T = ThreadProbe;
   d.summary("Reads one section of a needle or thread: where it is, and what it bears.");
   d.theory(
-      "Tension, curvature and twist are those of the beam in which the section lies: the axial "
-      "force *EA eps*, the angle between its end tangents and the angle between its end sections "
-      "about the tangent, each over its length. The force is the derivative of the elastic energy "
-      "of "
-      "the beam by the vector from its one end to the other. With `EI` and `GJ` of the section "
-      "they give the "
-      "moments.");
+      "Tension, curvature and twist are those of the beam in which the section lies. The tension "
+      "is *EA eps*, and what its viscosity (damping_stiffness) and an Elongation bear besides. "
+      "Curvature and twist are the angle between its end tangents and the angle between its end "
+      "sections about the tangent, each over its length. The force is the derivative of the "
+      "elastic energy of the beam by the vector from its one end to the other, and the rest of the "
+      "tension along it. With `EI` and `GJ` of the section they give the moments.");
   d.link("thread", &T::thread_, "The needle and thread.");
   d.attribute("at", &T::at_, "m", at_least(0), "Abscissa of the section, from the needle tip.")
       .required();

@@ -42,7 +42,8 @@ class GrowingCompliance {
   NodeCompliance view(std::span<const Mat3> then, std::span<const Mat3> now) const;
 
   const LearntNodes& learnt() const { return learnt_; }
-  /// By the next `learn`, before anything else.
+  /// The next `learn` begins with these, in the same portions, so that a run that goes on from a
+  /// state has the same bits.
   void learn_again(LearntNodes learnt);
 
  private:

@@ -45,6 +45,7 @@ void TissueLoad::initialise(Setup& setup) {
     return setup.error(*this, "none of 'force', 'moment', 'traction' and 'pressure' is given");
   if (const std::string wrong = Schedule::check(times_, factors_); !wrong.empty())
     return setup.error(*this, wrong);
+  setup.warn_of_hidden_keys(*this, times_);
   schedule_ = Schedule(times_, factors_);
   std::string error;
   std::optional<Selection> part = select(*tissue_->mesh, box_, region_, error);

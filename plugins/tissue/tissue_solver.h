@@ -80,7 +80,7 @@ class TissueSolver {
   virtual void archive(Archive& archive) = 0;
 };
 
-/// What a tissue uses that names no solver: factorises the matrix of every step.
+/// What a tissue uses that names no solver: factorises every new matrix at once.
 std::unique_ptr<TissueSolver> make_direct_solver(std::shared_ptr<Cache> cache = {});
 
 /// The components of this room that implement TissueSolver.

@@ -27,7 +27,7 @@ void Scissors::initialise(Setup& setup) {
 }
 
 void Scissors::drive(const StepContext& context) {
-  const Real now = context.time + 1e-6 * context.dt;
+  const Real now = context.time + std::max(context.early, 1e-6 * context.dt);
   const Index due = std::upper_bound(times_.begin(), times_.end(), now) - times_.begin();
   if (due > closed_ || told_) cut();
   closed_ = std::max(closed_, due);

@@ -11,7 +11,8 @@ std::string TimedJaws::plan() {
 }
 
 bool TimedJaws::update(const StepContext& context) {
-  const Index events = schedule_.events_until(context.time, 1e-6 * context.dt);
+  const Index events =
+      schedule_.events_until(context.time, std::max(context.early, 1e-6 * context.dt));
   bool changed = events != events_;
   bool closed = changed ? events % 2 == 1 : closed_;
   if (told_ != Told::nothing) closed = told_ == Told::close;

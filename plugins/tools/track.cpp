@@ -81,6 +81,9 @@ void Track::initialise(Setup& setup) {
     setup.error(*this, wrong);
     return;
   }
+  std::vector<Real> times;
+  for (const KeyFrame& key : keys) times.push_back(key.time);
+  setup.warn_of_hidden_keys(*this, times);
   frames_ = KeyFrames(std::move(keys), pivot_, easing_);
   if (const Real turn = frames_.largest_turn(dt_); !(turn < std::numbers::pi)) {
     setup.error(*this, "turns by up to " + format_real(std::round(100 * turn) / 100) +

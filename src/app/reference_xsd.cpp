@@ -130,6 +130,7 @@ std::string xml_schema(const Registry& registry) {
       <xs:attribute name="time_tolerance" type="real"/>
       <xs:attribute name="passes" type="real"/>
       <xs:attribute name="substeps" type="real"/>
+      <xs:attribute name="time_order" type="real"/>
     </xs:complexType>
   </xs:element>
   <xs:element name="node">

@@ -21,8 +21,7 @@ __attribute__((format(printf, 2, 3))) void append(std::string& out, const char* 
 }  // namespace
 
 void Summary::add(const StepReport& report) {
-  const bool missed = !report.solved || !report.faults.empty();
-  if (steps_++ == 0) missed_before_ = report.missed_steps - (missed ? 1 : 0);
+  if (steps_++ == 0) missed_before_ = report.missed_steps - (report.missed() ? 1 : 0);
   last_step_ = report.step;
   time_ = report.time;
   for (std::size_t i = 0; i < seconds_.size(); ++i) seconds_[i] += report.seconds[i];
@@ -30,6 +29,7 @@ void Summary::add(const StepReport& report) {
   most_passes_ = std::max(most_passes_, report.passes);
   if (report.parts > 1) ++divided_;
   most_parts_ = std::max(most_parts_, report.parts);
+  if (report.order == 2) ++of_second_order_;
   if (!report.solved) {
     if (unsolved_++ == 0) first_unsolved_ = report.step;
     worst_violation_ = std::max(worst_violation_, report.violation);
@@ -102,6 +102,9 @@ std::string Summary::text(double wall_seconds) const {
          "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",
          static_cast<double>(passes_) / n, static_cast<long>(most_passes_),
          static_cast<long>(divided_), static_cast<long>(steps_), static_cast<long>(most_parts_));
+  if (of_second_order_ > 0)
+    append(out, "  %ld of %ld steps without rows, in which threads are of second order in time\n",
+           static_cast<long>(of_second_order_), static_cast<long>(steps_));
   append(out, "  %ld events (a surface pierced, a sticking sample torn loose)\n",
          static_cast<long>(events_));
   if (unsolved_ > 0) {

@@ -45,6 +45,7 @@ class Summary {
   Imbalance worst_imbalance_;
   Real worst_violation_ = 0, worst_time_error_ = 0;
   Index passes_ = 0, most_passes_ = 0, divided_ = 0, most_parts_ = 1;
+  Index of_second_order_ = 0;
   Index events_ = 0;
   /// Sentences that differ by their numbers only are of one kind.
   struct Kind {

@@ -20,7 +20,7 @@ sutura_status step_once(Session& session) {
   for (const std::string& fault : report.faults) session.tell(SUTURA_WARNING, fault);
   if (!report.solved)
     session.tell(SUTURA_WARNING, "a step missed its tolerances; its report says by how much");
-  if (!report.solved || !report.faults.empty()) ++session.missed;
+  if (report.missed()) ++session.missed;
   if (report.failure)
     return fail(static_cast<sutura_status>(report.failure->category), report.failure->text());
   if (!report.finite)

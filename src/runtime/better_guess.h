@@ -3,7 +3,7 @@
 // A pass takes the guess x to G(x): it linearises each body and its rows. What it leaves out (rows
 // that slide along a bent thread under load change their force) makes passes contract slowly, or
 // swing to and fro for ever. Anderson's method (D. G. Anderson, J. ACM 12, 1965; H. F. Walker and
-// P. Ni, SIAM J. Numer. Anal. 49, 2011) learns that part from the passes themselves: of the last
+// P. Ni, SIAM J. Numer. Anal. 49, 2011) finds that part from the passes themselves: of the last
 // few it takes the affine combination whose change G(x) - x is smallest, and the next pass starts
 // there. What a step ends with is always the result of a pass, measured like any other. A pass in
 // which a body went only part of its way is not G: with it, all before are forgotten.
@@ -40,7 +40,7 @@ class BetterGuess {
   const Bodies& bodies_;
   std::array<Pass, memory> passes_;  ///< the newest first
   std::size_t known_ = 0;
-  bool slow_ = false;        ///< in this step
+  bool slow_ = false;        ///< since `forget`
   std::vector<VecX> guess_;  ///< per body
 };
 

@@ -70,6 +70,7 @@ void Simulation::archive_run(Archive& a) {
   archive(a, report_.solve);
   a("passes", report_.passes);
   a("parts", report_.parts);
+  a("order", report_.order);
   a("solved", report_.solved);
   a("missed_steps", report_.missed_steps);
   a("violation", report_.violation);

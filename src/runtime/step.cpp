@@ -13,7 +13,6 @@
 #include "sutura/simulation.h"
 
 namespace sutura {
-
 /// A component that throws ends the run: the bodies stay as they are in the middle of the step.
 const StepReport& Simulation::step() {
   if (report_.failure) return report_;
@@ -34,14 +33,14 @@ void Simulation::take_step(Timer& timer) {
   const Real dt = scene_->dt, end = report_.time + dt;
   for (Real begin = report_.time; begin < end && report_.finite;) {
     timer.enter(Stage::inputs);
-    const Real next = next_event(begin, end);
+    const Real due = due_at(begin, end), next = next_event(due, end);
     const bool whole = begin == report_.time && next == end;
-    take_stretch(begin, whole ? dt : next - begin, timer);
+    take_stretch(begin, whole ? dt : next - begin, due, timer);
     begin = next;
   }
   report_.step += 1;
   report_.time = static_cast<Real>(report_.step) * dt;
-  if (!report_.solved || !report_.faults.empty()) ++report_.missed_steps;
+  if (report_.missed()) ++report_.missed_steps;
 
   // Files. Read-only.
   timer.enter(Stage::record);
@@ -49,15 +48,18 @@ void Simulation::take_step(Timer& timer) {
 }
 
 /// A step, or what lies between two events in it; several shorter steps where that is too long to
-/// be solved.
-void Simulation::take_stretch(Real begin, Real length, Timer& timer) {
+/// be solved. What is due by `due` has happened when it begins.
+void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
   Index finest = 1;
   for (StepDivision division(scene_->limits.substeps); !division.done();) {
+    const Real time = begin + length * division.begin();
     const StepContext context{.dt = length / static_cast<Real>(division.parts()),
-                              .time = begin + length * division.begin(),
+                              .time = time,
                               .step = report_.step,
+                              .order = scene_->limits.time_order,
                               .gravity = scene_->gravity,
-                              .tolerance = scene_->limits.tolerance};
+                              .tolerance = scene_->limits.tolerance,
+                              .early = std::max(Real(0), due - time)};
     const bool solved = balance(context, timer) && is_short_enough(context);
     if (!solved && division.halve()) continue;
     finest = std::max(finest, division.parts());
@@ -77,6 +79,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   for (Driver* driver : drivers_) ask(driver).drive(context);
   for (const NamedBody& b : bodies_) ask(b.body).begin_step(context);
   build(context, timer);
+  if (needs_first_order(context)) return balance_in_first_order(context, timer);
 
   forget_passes();
   best_guess_->forget();
@@ -89,6 +92,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     ++context.pass;
     ++report_.passes;
     build(context, timer);
+    if (needs_first_order(context)) return balance_in_first_order(context, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) break;
@@ -116,6 +120,18 @@ bool Simulation::balance(StepContext context, Timer& timer) {
   }
   end_with_best_guess(context, timer);
   return false;
+}
+
+/// Laws compare the end of a step with its start, and an impact has nothing to do with the step
+/// before. So a step that turns out to have rows is begun anew, and looks back no further.
+bool Simulation::needs_first_order(const StepContext& context) const {
+  return context.order > 1 && problem_.rows() > 0;
+}
+
+bool Simulation::balance_in_first_order(StepContext context, Timer& timer) {
+  report_.order = context.order = 1;
+  context.pass = 0;
+  return balance(context, timer);
 }
 
 /// One linearisation of all that is not settled about the present guess, and the next guess.

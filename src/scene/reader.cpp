@@ -11,14 +11,15 @@
 namespace sutura {
 namespace {
 
-const std::vector<std::string> settings{"version",        "dt",        "gravity",
-                                        "duration",       "tolerance", "gap_tolerance",
-                                        "time_tolerance", "passes",    "substeps"};
+const std::vector<std::string> settings{
+    "version",        "dt",     "gravity",  "duration",  "tolerance", "gap_tolerance",
+    "time_tolerance", "passes", "substeps", "time_order"};
 const std::vector<std::string> only_name{"name"};
 constexpr Range dt_range{.low = 1e-9, .high = 1e4};        // s
 constexpr Range duration_range{.low = 0, .high = 1e6};     // s: eleven days
 constexpr Range tolerance_range{.low = 1e-12, .high = 1};  // of lengths: m
 constexpr Range count_range{.low = 1, .high = 1024};
+constexpr Range order_range{.low = 1, .high = 2};
 
 }  // namespace
 
@@ -171,6 +172,8 @@ void SceneReader::read_settings(const XmlElement& root) {
       read_count(scene_.limits.passes, count_range, false);
     } else if (value.name == "substeps") {
       read_count(scene_.limits.substeps, count_range, true);
+    } else if (value.name == "time_order") {
+      read_count(scene_.limits.time_order, order_range, false);
     } else if (value.name == "gravity") {
       const auto g = parse_quantities(value.text, "m/s^2", why);
       if (g && g->size() == 3)

@@ -3,6 +3,7 @@
 
 #include "scene/nearest_file.h"
 #include "sutura/component.h"
+#include "sutura/units.h"
 
 namespace sutura {
 
@@ -94,6 +95,15 @@ void Setup::warn_without_effect(const Component& who, std::initializer_list<cons
                                 const std::string& why) {
   for (const char* attribute : attributes)
     if (who.says(attribute)) warning(who, "'" + std::string(attribute) + "' has no effect: " + why);
+}
+
+void Setup::warn_of_hidden_keys(const Component& who, const std::vector<Real>& times) {
+  for (std::size_t i = 2; i < times.size(); ++i)
+    if (times[i] - times[i - 2] < dt)
+      return warning(who, "three keys lie within one step of " + format_real(dt) + " s, at " +
+                              format_real(times[i - 2]) + " to " + format_real(times[i]) +
+                              " s: a step sees the end of it only, and what happens in between is "
+                              "missed or lasts too long");
 }
 
 }  // namespace sutura

@@ -35,6 +35,8 @@ class Writer {
     if (limits.passes != defaults.limits.passes) attribute("passes", std::to_string(limits.passes));
     if (limits.substeps != defaults.limits.substeps)
       attribute("substeps", std::to_string(limits.substeps));
+    if (limits.time_order != defaults.limits.time_order)
+      attribute("time_order", std::to_string(limits.time_order));
     attribute("gravity", format_real(scene_.gravity.x()) + ' ' + format_real(scene_.gravity.y()) +
                              ' ' + format_real(scene_.gravity.z()));
     out_ += ">\n";

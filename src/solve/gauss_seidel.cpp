@@ -16,7 +16,7 @@ constexpr Real negligible = 1e-12;
 
 }  // namespace
 
-/// A new order for every sweep: good whatever the graph of contacts (algorithms.md, finding 5).
+/// A new order for every sweep: good whatever the graph of contacts.
 /// Seeded per solve, so that the result depends on the problem and the seed alone.
 void BlockGaussSeidel::shuffle() {
   for (std::size_t i = order_.size(); i > 1; --i) {

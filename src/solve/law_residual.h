@@ -26,7 +26,7 @@ Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
 Index fire_events(ConstraintProblem& problem);
 
 /// Events wait for forces that are converged at least this well (in units of the
-/// blocks): fired on transient forces they end in wrong states (algorithms.md, finding 4).
+/// blocks): fired on transient forces they end in wrong states.
 inline constexpr Real event_gate = 1e-3;
 
 /// d = delta - W_cc lambda of one block.

@@ -159,7 +159,7 @@ TEST(FirstStitch, ShowsThePhysicsAndDoesNotDependOnTheStep) {
   expect_momentum_balance(r);
 
   // Twice the step: less than 5 % in the peak force and in how far the thread has come
-  // (docs/validation.md has the table).
+  // (docs/validation/step.md has the table).
   const StitchRun coarse = run_stitch(20e-3);
   expect_puncture(coarse);
   EXPECT_NEAR(peak_force(coarse), peak_force(r), 0.05 * peak_force(r));

@@ -11,7 +11,8 @@ namespace sutura::testing {
 namespace {
 
 // At the end of the last pull, where the thread slides round eight mouths, one step of three misses
-// its tolerance and says so (docs/validation.md): that is not to become more, and nothing else.
+// its tolerance and says so (docs/validation/step.md): that is not to become more, and nothing
+// else.
 TEST(Wound, IsSewnWithTwoBites) {
   const house::TemporaryFolder folder("wound");
   const house::Outcome outcome =

@@ -7,7 +7,7 @@
 // hold (0: rigid), cap (N) what it can carry (infinite by default): beyond, it slips with that
 // force, as a tissue that tears or a jaw that lets go. The cap is on the Euclidean norm, so that
 // the law does not depend on the choice of axes; with 6 rows the source scales the rotational ones
-// by a length, so that all rows are in metres and newtons. Source: algorithms.md B.6.
+// by a length, so that all rows are in metres and newtons.
 #pragma once
 
 #include <limits>

@@ -166,7 +166,7 @@ TEST(RandomProblems, RotationAndUnitOfLengthChangeNothing) {
 }
 
 TEST(RandomProblems, FrictionDoesNotDependOnTheNumberOfSweeps) {
-  // The ancestor's friction was 2 % of its value after 10 sweeps and 86 % after 1000.
+  // An earlier research code's friction was 2 % of its value after 10 sweeps and 86 % after 1000.
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<VecX> lambda;
     for (const Index sweeps : {20, 100, 2000}) {

@@ -53,8 +53,9 @@ TEST(Allocation, NoneInTheStep) {
 struct FallingThread {
   Diagnostics diagnostics;
   SutureThread thread;
-  const StepContext context{.dt = 0.005, .gravity = Vec3(0, 0, -9.81)};
-  FallingThread() {
+  const StepContext context;
+  explicit FallingThread(Index order)
+      : context{.dt = 0.005, .order = order, .gravity = Vec3(0, 0, -9.81)} {
     thread.needle_arc_length = 0;
     thread.thread_beams = 20;
     thread.sampling_angle = 0.1;
@@ -78,8 +79,10 @@ struct FallingThread {
 
 // Up to length/shortest_beam beams are declared at the start: from the first step on nothing
 // allocates, events included.
-TEST(Allocation, NoneInTheStepOfASampledThread) {
-  FallingThread s;
+class AllocationOf : public testing::TestWithParam<Index> {};
+
+TEST_P(AllocationOf, NoStepOfASampledThread) {
+  FallingThread s(GetParam());
   ASSERT_TRUE(s.diagnostics.ok());
   int events = 0, quiet = 0;
   Index most = 0, least = 1000;
@@ -94,6 +97,8 @@ TEST(Allocation, NoneInTheStepOfASampledThread) {
   EXPECT_GT(quiet, 100);
   EXPECT_GT(most, least + 10);  // split and merged
 }
+
+INSTANTIATE_TEST_SUITE_P(TimeOrder, AllocationOf, testing::Values(1, 2));
 
 TEST(Allocation, NoneForTheRowsOfAThread) {
   test::ThreadPath path({.beams = 60, .samples = 20});

@@ -114,7 +114,9 @@ TEST(Viscosity, HasItsCompressionInTheMatrix) {
   start.resize(rod.nodes());
   start.dt = 1e-3;
   start.damping = {.mass = 2, .stiffness = 5e-3};
-  start.take(rod);
+  rod.mark_start();
+  start.twist = rod.twist();
+  start.take(rod, true);
   RodGuess guess;
   guess.resize(rod.nodes());
   const auto moved = [&](const VecX& motion) {

@@ -1,0 +1,40 @@
+#include "dead_moment.h"
+
+namespace sutura::thread {
+
+bool DeadMoments::find(const Rod& rod, const Dofs& load) {
+  spins_.clear();
+  for (Index i = 0; i < rod.nodes() && rod.stretches().empty(); ++i) {
+    const Index spin = 6 * i + 3;
+    if (!load.segment<3>(spin).isZero(0) && !rod.is_clamped(i)) spins_.push_back(spin);
+  }
+  return !spins_.empty();
+}
+
+void DeadMoments::begin(const Rod& rod, const Dofs& load, Real scale) {
+  const Index size = 3 * static_cast<Index>(spins_.size());
+  columns_.setZero(rod.dofs(), size);
+  turning_.setZero(size, size);
+  Index k = 0;
+  for (const Index spin : spins_) {
+    columns_.block<3, 3>(spin, k).setIdentity();
+    turning_.block<3, 3>(k, k) = -scale / 2 * cross_matrix(Vec3(load.segment<3>(spin)));
+    k += 3;
+  }
+}
+
+void DeadMoments::finish(Eigen::Ref<VecX> answer) {
+  const Index size = turning_.rows();
+  MatX own(size, size);
+  VecX spun(size);
+  Index k = 0;
+  for (const Index spin : spins_) {
+    own.middleRows<3>(k) = columns_.middleRows<3>(spin);
+    spun.segment<3>(k) = answer.segment<3>(spin);
+    k += 3;
+  }
+  const MatX both = MatX::Identity(size, size) + own * turning_;
+  answer -= columns_ * (turning_ * both.partialPivLu().solve(spun));
+}
+
+}  // namespace sutura::thread

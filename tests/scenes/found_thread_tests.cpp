@@ -1,0 +1,142 @@
+// Faults of threads that testers found with scenes of their own (docs/validation/testers.md).
+#include <cmath>
+#include <numbers>
+
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+const std::string hanging =
+    "<SutureThread name='s' needle_length='0' tip_direction='0 0 1' plane_normal='0 1 0' "
+    "thread_length='100 mm' thread_beams='20' thread_young='10 MPa' thread_density='20000' "
+    "clamp='start' ";
+
+// Below the cut 70 mm fall freely, fibres that lock at a strain or not: g t^2 / 2 and what implicit
+// Euler adds, g t h / 2, in 0.2 s.
+TEST(ElongationOf, AThreadThatIsCutLetsItFall) {
+  for (const char* interval : {"1", "4"}) {
+    TextRun run(
+        hanging + "/><Elongation limit='0.001' interval='" + interval +
+            "'/><Scissors centre='0 0 -32.5 mm' axis='1 0 0' size='4 4 2 mm' times='0.1 s'/>",
+        "dt='5 ms'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.1);
+    const Real from = run.vector("/s", "end_position").z();
+    run.run(0.3);
+    EXPECT_EQ(run.number("/s", "cuts"), 1);
+    const Real fall = 9.81 * 0.2 * 0.2 / 2 + 9.81 * 0.2 * 0.005 / 2;
+    EXPECT_NEAR(from - run.vector("/s", "end_position").z(), fall, 0.01 * fall) << interval;
+  }
+}
+
+// What hangs below the clamp weighs 0.472 mN. Nearly all of that is borne by the limit, and it is
+// tension as much as that of the elastic thread.
+TEST(ElongationOf, AThreadTearsAtItsStrengthAllTheSame) {
+  for (const char* strength : {"0.4 mN", "0.6 mN"}) {
+    TextRun run(hanging + "strength='" + strength + "'/><Elongation limit='0.0002' interval='1'/>",
+                "dt='5 ms'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.2);
+    EXPECT_EQ(run.number("/s", "cuts"), strength[2] == '4' ? 1 : 0) << strength;
+  }
+}
+
+// Two hands draw 0.4 N. The section between them bears as much, whoever bears it.
+TEST(ElongationOf, AThreadHasTheTensionThatItsHandsFeel) {
+  TextRun run(
+      "<SutureThread name='s' needle_length='0' tip_direction='-1 0 0' thread_length='50 mm' "
+      "thread_beams='10' thread_diameter='0.1 mm' thread_young='1 GPa' damping_stiffness='1 ms'/>"
+      "<Elongation limit='0.002' interval='2'/><Track name='rest' times='0' positions='0 0 0'/>"
+      "<Track name='way' times='0 0.2 s' positions='0 0 0  4.1 0 0 mm'/>"
+      "<Grasper name='a' at='0' track='rest' stiffness='1e6' rotation_stiffness='0'/>"
+      "<Grasper name='b' at='50 mm' track='way' stiffness='100' rotation_stiffness='0'/>"
+      "<ThreadProbe name='middle' at='24 mm'/>",
+      "dt='5 ms' gravity='0 0 0'");
+  ASSERT_TRUE(run) << run.said();
+  for (const Real until : {0.15, 0.4}) {  // while the hand moves, and at rest
+    run.run(until);
+    const Real pull = run.vector("/b", "force").norm();
+    EXPECT_GT(pull, 0.2);
+    EXPECT_NEAR(run.number("/middle", "tension"), pull, 0.01 * pull) << until;
+    EXPECT_NEAR(run.vector("/middle", "force").norm(), pull, 0.01 * pull) << until;
+  }
+}
+
+TEST(ElongationOf, AThreadThatSettlesBeyondItIsRefused) {
+  TextRun run(hanging + "settle='true'/><Elongation limit='0.001' interval='1'/>", "dt='5 ms'");
+  EXPECT_FALSE(run);
+  EXPECT_NE(run.said().find("beyond 'limit'"), std::string::npos) << run.said();
+}
+
+struct Throw {
+  Real part;        // of a step after which the hand lets go
+  const char* way;  // of the hand, as keys after that time
+};
+class Thrown : public ::testing::TestWithParam<Throw> {};
+
+// A hand carries a stiff thread at 1 m/s, lets go, and stops or goes back at that moment. Nothing
+// acts on the thread any more, so it flies on at 1 m/s, wherever in a step that was.
+TEST_P(Thrown, AThreadKeepsTheSpeedOfTheHand) {
+  for (const Real dt : {2e-3, 1e-2, 5e-2}) {
+    const Real at = 0.2 + GetParam().part * dt;
+    const std::string time = std::to_string(at), x = std::to_string(1e3 * at);
+    TextRun run(
+        "<SutureThread name='s' needle_length='0' tip_direction='-1 0 0' thread_length='20 mm' "
+        "thread_beams='10' thread_diameter='0.5 mm' thread_young='3 GPa' velocity='1 0 0'/>"
+        "<Track times='0 " +
+            time + " 1 s' positions='0 0 0  " + x + " 0 0  " + GetParam().way +
+            " mm'/><Grasper at='10 mm' release='" + time + " s'/>",
+        "gravity='0 0 0' dt='" + std::to_string(1e3 * dt) + " ms'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.4);
+    const Vec3 speed = run.vector("/s", "momentum") / run.simulation().bodies()[0].body->mass();
+    EXPECT_LT((speed - Vec3::UnitX()).norm(), 1e-6) << dt;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Wherever, Thrown,
+                         ::testing::Values(Throw{0.01, "-200 0 0"}, Throw{0.05, "200 0 0"},
+                                           Throw{0.05, "-200 0 0"}, Throw{0.3, "-200 0 0"},
+                                           Throw{0.93, "-200 0 0"}, Throw{0.95, "-200 0 0"},
+                                           Throw{0.99, "-200 0 0"}));
+
+// A moment of fixed direction has no potential, and steps that took it for one swung a thread out
+// of its plane for ever. 2 EI / L bends a cantilever to an arc of 2 rad.
+class EndMoment : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EndMoment, BendsAThreadInItsPlaneAndLeavesItAtRest) {
+  TextRun run(
+      "<SutureThread name='s' needle_length='0' tip_direction='-1 0 0' plane_normal='0 1 0' "
+      "thread_length='100 mm' thread_beams='50' thread_diameter='0.3 mm' thread_young='2 GPa' "
+      "clamp='start' damping_mass='20'/>"
+      "<ThreadLoad at='100 mm' moment='0 1.5904e-5 0' times='0 0.5 s' factors='0 1'/>",
+      std::string("gravity='0 0 0' dt='") + GetParam() + "'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(2);
+  const Vec3 end = run.vector("/s", "end_position");
+  // On a circle of radius L/2: L/2 sin 2 along, L/2 (1 - cos 2) aside.
+  EXPECT_NEAR(end.x(), 0.05 * std::sin(2), 2e-4);
+  EXPECT_NEAR(std::abs(end.z()), 0.05 * (1 - std::cos(2)), 2e-4);
+  EXPECT_LT(std::abs(end.y()), 1e-6);
+  EXPECT_LT(run.number("/s", "kinetic_energy"), 1e-14);
+}
+
+INSTANTIATE_TEST_SUITE_P(AtAnyStep, EndMoment, ::testing::Values("1 ms", "10 ms", "50 ms"));
+
+// Long beams carry momentum in their bending, which a cut must not lose.
+TEST(CutInFlight, KeepsMomentum) {
+  TextRun run(
+      "<SutureThread name='s' needle_length='0' tip_direction='-1 0 0' thread_length='100 mm' "
+      "thread_beams='4' thread_diameter='0.3 mm' velocity='0.1 0 0.1 m/s' spin='0 40 7 rad/s'/>"
+      "<Scissors centre='60 0 0 mm' axis='1 0 0' size='500 500 500 mm' times='0.02 s'/>",
+      "gravity='0 0 0' dt='2 ms'");
+  ASSERT_TRUE(run) << run.said();
+  const Vec3 before = run.vector("/s", "momentum");
+  run.run(0.1);
+  EXPECT_EQ(run.number("/s", "cuts"), 1);
+  EXPECT_LT((run.vector("/s", "momentum") - before).norm(), 1e-10 * before.norm());
+}
+
+}  // namespace
+}  // namespace sutura::testing
