@@ -1,5 +1,5 @@
-// A constraint law: a pure function of one block. delta = W lambda + delta_0 meets the law's own
-// graph of (delta, lambda); `project` returns the lambda on that graph.
+// A constraint law: a pure function of one block. delta = W lambda + d, d what is left without the
+// block's own force, meets the law's graph of (delta, lambda); `project` returns that lambda.
 //
 //   struct Unilateral {                         // 0 <= delta  _|_  lambda >= 0
 //     static constexpr int dim = 1;

@@ -39,8 +39,10 @@ void PathFriction::describe(Describe<PathFriction>& d) {
       "(Sneddon 1946, plane strain), which is d at p = E / (pi (1 - nu^2)). Viscous "
       "coefficient c = l pi d alpha. With delta the slip over the step of length h and w the "
       "compliance of the row, the "
-      "unique solution is lambda = -delta_0 / w while |lambda| <= R_static, else\n"
-      "|slip| = (|delta_0| - w R) / (1 + w c / h), lambda = -sign(delta_0) (R + c |slip| / h).");
+      "unique solution is lambda = -s / w while |lambda| <= R_static, else\n"
+      "|delta| = (|s| - w R) / (1 + w c / h), lambda = -sign(s) (R + c |delta| / h), with s the "
+      "slip "
+      "without that force.");
   d.link("path", &PathFriction::path_, "The channel.");
   d.attribute("coefficient", &PathFriction::coefficient_, "1", between(0, 100),
               "Kinetic friction coefficient mu of the needle, and of the thread unless "

@@ -18,8 +18,6 @@ const std::vector<std::string> only_name{"name"};
 constexpr Range dt_range{.low = 1e-9, .high = 1e4};        // s
 constexpr Range duration_range{.low = 0, .high = 1e6};     // s: eleven days
 constexpr Range tolerance_range{.low = 1e-12, .high = 1};  // of lengths: m
-constexpr Range count_range{.low = 1, .high = 1024};
-constexpr Range order_range{.low = 1, .high = 2};
 
 }  // namespace
 
@@ -142,9 +140,9 @@ void SceneReader::read_settings(const XmlElement& root) {
                         range_text(range, unit));
       out = *number;
     };
-    const auto read_count = [&](Index& out, const Range& range, bool power_of_two) {
+    const auto read_count = [&](Index& out, Real most, bool power_of_two) {
       Real number = static_cast<Real>(out);
-      read(number, "1", range);
+      read(number, "1", {.low = 1, .high = most});
       const auto whole = static_cast<Index>(number);
       if (static_cast<Real>(whole) != number || (power_of_two && (whole & (whole - 1)) != 0))
         return complain(in_quotes(value.text) + ": expected a whole number" +
@@ -169,22 +167,21 @@ void SceneReader::read_settings(const XmlElement& root) {
     } else if (value.name == "time_tolerance") {
       read(scene_.limits.time_tolerance, "m", tolerance_range);
     } else if (value.name == "passes") {
-      read_count(scene_.limits.passes, count_range, false);
+      read_count(scene_.limits.passes, 1024, false);
     } else if (value.name == "substeps") {
-      read_count(scene_.limits.substeps, count_range, true);
+      read_count(scene_.limits.substeps, 1024, true);
     } else if (value.name == "time_order") {
-      read_count(scene_.limits.time_order, order_range, false);
+      read_count(scene_.limits.time_order, 2, false);
     } else if (value.name == "gravity") {
       const auto g = parse_quantities(value.text, "m/s^2", why);
       if (g && g->size() == 3)
         scene_.gravity = Vec3((*g)[0], (*g)[1], (*g)[2]);
       else
         complain(g ? in_quotes(value.text) + ": expected 3 numbers" : why);
-    } else {
-      if (value.location.line > 0)  // else it is said better with the other --set errors
-        error(value.location, "",
-              "<sutura> has no attribute '" + shortened(value.name) + "'" +
-                  did_you_mean(value.name, settings));
+    } else if (value.location.line > 0) {  // else it is said better with the other --set errors
+      error(value.location, "",
+            "<sutura> has no attribute '" + shortened(value.name) + "'" +
+                did_you_mean(value.name, settings));
     }
   }
   for (Override& o : overrides_)

@@ -155,7 +155,7 @@ TEST_P(Invariance, RandomSceneTurnedShiftedAndInAnotherUnit) {
       continue;
     }
     // An approximate W is good enough at 1e-6 m, whatever the unit of length (docs/step.md, stage
-    // 6): what is left of it after a step is carried along by some steps. In a unit of a kilometre
+    // 8): what is left of it after a step is carried along by some steps. In a unit of a kilometre
     // that is a millimetre: nobody asks for that.
     if (unit > 1) {
       EXPECT_LE(worst(d), 2e-5);

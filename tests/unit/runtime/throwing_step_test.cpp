@@ -97,7 +97,7 @@ class BombClock : public Component, public Driver, public Bomb {
   }
   void drive(const StepContext& c) override { pass_by("drive", c.step); }
   Real next_event(Real time) const override {
-    pass_by("next_event", time > 1e-4 ? 1 : 0);
+    pass_by("next_event", time > 0.1 ? 1 : 0);  // not in the first step of 0.1 s
     return Driver::next_event(time);
   }
   void archive(Archive& a) override { pass_by_archive(a); }
