@@ -71,8 +71,11 @@ TEST(ElongationOf, AThreadThatSettlesBeyondItIsRefused) {
 
 struct Throw {
   Real part;        // of a step after which the hand lets go
-  const char* way;  // of the hand, as keys after that time
+  const char* way;  // of the hand, where it goes after that time (mm)
 };
+void PrintTo(const Throw& t, std::ostream* out) {
+  *out << t.part << " of a step, then to " << t.way;
+}
 class Thrown : public ::testing::TestWithParam<Throw> {};
 
 // A hand carries a stiff thread at 1 m/s, lets go, and stops or goes back at that moment. Nothing
