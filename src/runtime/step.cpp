@@ -2,6 +2,7 @@
 // What a stage does that takes more than a few lines is in stages.cpp.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/floating_point.h"
 #include "base/stage_timer.h"
@@ -13,6 +14,18 @@
 #include "sutura/simulation.h"
 
 namespace sutura {
+namespace {
+
+/// What a guess lacks, in units of the tolerance that it misses most.
+Real times_tolerance(Real violation, const std::vector<Imbalance>& imbalance,
+                     const StepLimits& limits) {
+  Real most = violation / limits.gap_tolerance;
+  for (const Imbalance& i : imbalance) most = std::max(most, i.relative / limits.tolerance);
+  return std::isfinite(most) ? most : std::numeric_limits<Real>::infinity();
+}
+
+}  // namespace
+
 /// A component that throws ends the run: the bodies stay as they are in the middle of the step.
 const StepReport& Simulation::step() {
   if (report_.failure) return report_;
@@ -60,9 +73,10 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
                               .gravity = scene_->gravity,
                               .tolerance = scene_->limits.tolerance,
                               .early = std::max(Real(0), due - time)};
-    const bool solved = balance(context, timer) && is_short_enough(context);
-    if (!solved && division.halve()) continue;
     finest = std::max(finest, division.parts());
+    const bool balanced = balance(context, timer), solved = balanced && is_short_enough(context);
+    const Real lacks = balanced ? 0 : times_tolerance(violation_, imbalance_, scene_->limits);
+    if (!solved && division.try_again(lacks)) continue;
     accept(context, solved, timer);
     if (!report_.finite) break;
     division.next();

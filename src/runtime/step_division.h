@@ -1,6 +1,8 @@
 // How a step is divided: into 2^level parts, finer after a failure, coarser again after successes.
 #pragma once
 
+#include <limits>
+
 #include "sutura/types.h"
 
 namespace sutura {
@@ -20,9 +22,27 @@ class StepDivision {
     part_ *= 2;
     return true;
   }
+  /// The present part was not solved, and lacks so much. True if it is to be tried at another
+  /// length: at shorter ones first, and where none is solved at the one that lacked least, which is
+  /// then taken as it is. The shortest need not be that one.
+  bool try_again(Real lacks) {
+    if (is_last_try_) return false;
+    if (lacks <= least_) {
+      least_ = lacks;
+      best_ = parts_;
+    }
+    if (halve()) return true;
+    if (best_ == parts_) return false;
+    part_ /= parts_ / best_;
+    parts_ = best_;
+    is_last_try_ = true;
+    return true;
+  }
   /// On to the next part; twice as long a one where it fits, so that a step takes no more than it
   /// needs.
   void next() {
+    least_ = std::numeric_limits<Real>::infinity();
+    is_last_try_ = false;
     ++part_;
     if (part_ < parts_ && part_ % 2 == 0 && parts_ > 1) {
       part_ /= 2;
@@ -32,6 +52,9 @@ class StepDivision {
 
  private:
   Index most_, part_ = 0, parts_ = 1;
+  Real least_ = std::numeric_limits<Real>::infinity();  ///< of the present part
+  Index best_ = 1;  ///< number of parts with which it lacked that
+  bool is_last_try_ = false;
 };
 
 }  // namespace sutura

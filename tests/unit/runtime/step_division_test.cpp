@@ -71,6 +71,25 @@ TEST(StepDivision, GrowsAgainAfterSuccess) {
   EXPECT_EQ(parts, (std::vector<Index>{8, 8, 4, 2}));
 }
 
+// Where no length is solved, the one that lacks least is tried once more, and then taken; the parts
+// after it are as long as fits.
+TEST(StepDivision, GoesBackToWhatLackedLeast) {
+  StepDivision division(4);
+  for (const Real lacks : {7., 2., 30.}) EXPECT_TRUE(division.try_again(lacks));
+  EXPECT_EQ(division.parts(), 2);
+  EXPECT_EQ(division.begin(), 0);
+  EXPECT_FALSE(division.try_again(2));
+  division.next();
+  EXPECT_EQ(division.parts(), 2);
+  EXPECT_EQ(division.begin(), 0.5);
+  // A new part: what lacked least before counts no more. Of equals the shortest.
+  EXPECT_TRUE(division.try_again(9));
+  EXPECT_FALSE(division.try_again(9));
+  EXPECT_EQ(division.parts(), 4);
+  division.next();
+  EXPECT_EQ(division.begin(), 0.75);
+}
+
 TEST(StepDivision, NeverDividesIfToldSo) {
   StepDivision division(1);
   EXPECT_FALSE(division.halve());
