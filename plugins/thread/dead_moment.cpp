@@ -25,16 +25,20 @@ void DeadMoments::begin(const Rod& rod, const Dofs& load, Real scale) {
 
 void DeadMoments::finish(Eigen::Ref<VecX> answer) {
   const Index size = turning_.rows();
-  MatX own(size, size);
-  VecX spun(size);
+  own_.resize(size, size);
+  spun_.resize(size);
   Index k = 0;
   for (const Index spin : spins_) {
-    own.middleRows<3>(k) = columns_.middleRows<3>(spin);
-    spun.segment<3>(k) = answer.segment<3>(spin);
+    own_.middleRows<3>(k) = columns_.middleRows<3>(spin);
+    spun_.segment<3>(k) = answer.segment<3>(spin);
     k += 3;
   }
-  const MatX both = MatX::Identity(size, size) + own * turning_;
-  answer -= columns_ * (turning_ * both.partialPivLu().solve(spun));
+  both_.setIdentity(size, size);
+  both_.noalias() += own_ * turning_;
+  lu_.compute(both_);
+  due_ = lu_.solve(spun_);
+  spun_.noalias() = turning_ * due_;
+  answer.noalias() -= columns_ * spun_;
 }
 
 }  // namespace sutura::thread

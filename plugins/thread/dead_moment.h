@@ -7,6 +7,8 @@
 // out of its plane for ever.
 #pragma once
 
+#include <Eigen/LU>
+
 #include "rod.h"
 
 namespace sutura::thread {
@@ -33,6 +35,10 @@ class DeadMoments {
 
   std::vector<Index> spins_;  ///< first dof of the spin of each node with a moment
   MatX columns_, turning_;    ///< A^-1 of unit moments there, and N
+  // Memory of `finish`: nothing is allocated once there are as many moments as there will be.
+  MatX own_, both_;
+  VecX spun_, due_;
+  Eigen::PartialPivLU<MatX> lu_;
 };
 
 }  // namespace sutura::thread

@@ -43,8 +43,7 @@ void Elongation::ready(Setup& setup) {
   }
   if (most > limit * (1 + 1e-6))
     setup.error(*this, "the thread begins with a strain of " + format_real(most) +
-                           ", beyond 'limit'; lay it out shorter, or without 'settle', which does "
-                           "not know of the limit");
+                           ", beyond 'limit'; lay it out shorter ('settle' knows no limit)");
 }
 
 Elongation::Interval Elongation::interval_from(Index beam) const {

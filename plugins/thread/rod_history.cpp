@@ -1,5 +1,7 @@
 #include "rod_history.h"
 
+#include <algorithm>
+
 namespace sutura::thread {
 
 void RodMoment::resize(Index nodes) {

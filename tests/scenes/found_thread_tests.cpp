@@ -26,6 +26,7 @@ TEST(ElongationOf, AThreadThatIsCutLetsItFall) {
     run.run(0.3);
     EXPECT_EQ(run.number("/s", "cuts"), 1);
     const Real fall = 9.81 * 0.2 * 0.2 / 2 + 9.81 * 0.2 * 0.005 / 2;
+    // The piece springs back as it is cut: by 0.1 % of its length, and less after that.
     EXPECT_NEAR(from - run.vector("/s", "end_position").z(), fall, 0.01 * fall) << interval;
   }
 }
@@ -58,6 +59,7 @@ TEST(ElongationOf, AThreadHasTheTensionThatItsHandsFeel) {
     run.run(until);
     const Real pull = run.vector("/b", "force").norm();
     EXPECT_GT(pull, 0.2);
+    // What is left of 1 % is the inertia of 0.4 mg of thread and the tolerance of a step.
     EXPECT_NEAR(run.number("/middle", "tension"), pull, 0.01 * pull) << until;
     EXPECT_NEAR(run.vector("/middle", "force").norm(), pull, 0.01 * pull) << until;
   }
@@ -94,6 +96,7 @@ TEST_P(Thrown, AThreadKeepsTheSpeedOfTheHand) {
     ASSERT_TRUE(run) << run.said();
     run.run(0.4);
     const Vec3 speed = run.vector("/s", "momentum") / run.simulation().bodies()[0].body->mass();
+    // The grip is a spring, and times and places are written with six digits.
     EXPECT_LT((speed - Vec3::UnitX()).norm(), 1e-6) << dt;
   }
 }
@@ -116,16 +119,49 @@ TEST_P(EndMoment, BendsAThreadInItsPlaneAndLeavesItAtRest) {
       "<ThreadLoad at='100 mm' moment='0 1.5904e-5 0' times='0 0.5 s' factors='0 1'/>",
       std::string("gravity='0 0 0' dt='") + GetParam() + "'");
   ASSERT_TRUE(run) << run.said();
-  run.run(2);
+  Index passes = 0, steps = 0;
+  for (; run.simulation().time() < 3 - 1e-9; ++steps) passes += run.simulation().step().passes;
   const Vec3 end = run.vector("/s", "end_position");
-  // On a circle of radius L/2: L/2 sin 2 along, L/2 (1 - cos 2) aside.
-  EXPECT_NEAR(end.x(), 0.05 * std::sin(2), 2e-4);
-  EXPECT_NEAR(std::abs(end.z()), 0.05 * (1 - std::cos(2)), 2e-4);
-  EXPECT_LT(std::abs(end.y()), 1e-6);
-  EXPECT_LT(run.number("/s", "kinetic_energy"), 1e-14);
+  // On a circle of radius L/2: L/2 sin 2 along, L/2 (1 - cos 2) aside. The moment is rounded to
+  // five digits, which shifts the end by 2e-6 m.
+  EXPECT_NEAR(end.x(), 0.05 * std::sin(2), 1e-5);
+  EXPECT_NEAR(std::abs(end.z()), 0.05 * (1 - std::cos(2)), 1e-5);
+  EXPECT_LT(std::abs(end.y()), 1e-9);
+  EXPECT_LT(run.number("/s", "kinetic_energy"), 1e-18);
+  EXPECT_LT(passes, 2 * steps);  // passes contract
 }
 
 INSTANTIATE_TEST_SUITE_P(AtAnyStep, EndMoment, ::testing::Values("1 ms", "10 ms", "50 ms"));
+
+// An arc of more than half a turn, found at once.
+TEST(EndMomentOf, AThreadThatSettlesBendsItAtOnce) {
+  TextRun run(
+      "<SutureThread name='s' needle_length='0' tip_direction='-1 0 0' plane_normal='0 1 0' "
+      "thread_length='100 mm' thread_beams='50' thread_diameter='0.3 mm' thread_young='2 GPa' "
+      "clamp='start' settle='true'/><ThreadLoad at='100 mm' moment='0 3.1808e-5 0'/>",
+      "gravity='0 0 0' dt='10 ms'");
+  ASSERT_TRUE(run) << run.said();
+  // 4 EI / L: an arc of 4 rad on a circle of radius L/4. Rounded as above.
+  const Vec3 end = run.vector("/s", "end_position");
+  EXPECT_NEAR(end.x(), 0.025 * std::sin(4), 1e-5);
+  EXPECT_NEAR(std::abs(end.z()), 0.025 * (1 - std::cos(4)), 1e-5);
+  EXPECT_LT(std::abs(end.y()), 1e-9);
+}
+
+// A step looks at its end: a pulse within it is missed, or lasts for all of it.
+TEST(KeysWithinAStep, AreWarnedOf) {
+  const auto said = [](const char* times) {
+    TextRun run(
+        "<SutureThread name='s' needle_length='0' thread_length='50 mm' thread_beams='5'/>"
+        "<ThreadLoad at='25 mm' force='1 0 0 mN' factors='0 1 0' times='" +
+            std::string(times) + "'/>",
+        "dt='10 ms'");
+    EXPECT_TRUE(run) << run.said();
+    return run.said();
+  };
+  EXPECT_NE(said("0.0995 0.1 0.1005 s").find("three keys lie within one step"), std::string::npos);
+  EXPECT_EQ(said("0.1 0.105 0.12 s"), "");
+}
 
 // Long beams carry momentum in their bending, which a cut must not lose.
 TEST(CutInFlight, KeepsMomentum) {
@@ -138,6 +174,7 @@ TEST(CutInFlight, KeepsMomentum) {
   const Vec3 before = run.vector("/s", "momentum");
   run.run(0.1);
   EXPECT_EQ(run.number("/s", "cuts"), 1);
+  // Rounding of positions over the length of a step.
   EXPECT_LT((run.vector("/s", "momentum") - before).norm(), 1e-10 * before.norm());
 }
 

@@ -2,30 +2,31 @@
 #include <cmath>
 
 #include "scenes/text_run.h"
+#include "sutura/units.h"
 
 namespace sutura::testing {
 namespace {
 
 const std::string contact = "<plugin name='contact'/>";
-const std::string swung =
-    "<SutureThread name='t' needle_length='0' tip='0 0 0' tip_direction='-1 0 0' thread='4-0 "
-    "polypropylene' thread_length='60 mm' thread_beams='40' damping_stiffness='0.1 ms'/>"
-    "<Track name='hand' times='0 0.5 s' positions='0 0 0  0 40 0 mm' easing='smooth'/>"
-    "<Grasper at='0' track='hand'/>";
+TextRun carried(Real dt, const char* order) {
+  return TextRun::file("validation/carried_thread.xml",
+                       {{".dt", format_real(dt) + " s"}, {".time_order", order}});
+}
 
-Vec3 end_of(const std::string& scene, Real dt, const char* order, Real duration) {
-  TextRun run(scene, "dt='" + std::to_string(1e3 * dt) + " ms' time_order='" + order + "'");
-  EXPECT_TRUE(run) << run.said();
-  for (int n = 0; n < std::lround(duration / dt); ++n)
-    EXPECT_TRUE(run.simulation().step().solved) << n;
-  return run.vector("/t", "end_position");
+Vec3 end_of(const TextRun& run) {
+  return run.vector("/suture", "end_position");
 }
 
 // A hand carries a thread by its end, and it swings on. Its first mode has 115 ms, and the steps
 // resolve that: halving them takes three quarters of the error away, and not half of it. Modes that
 // no step resolves are damped.
 TEST(SecondOrder, ASwungThreadConvergesByTheSquareOfTheStep) {
-  const auto end = [](Real dt, const char* order) { return end_of(swung, dt, order, 0.6); };
+  const auto end = [](Real dt, const char* order) {
+    TextRun run = carried(dt, order);
+    for (int n = 0; n < std::lround(0.6 / dt); ++n)
+      EXPECT_TRUE(run.simulation().step().solved) << n;
+    return end_of(run);
+  };
   const Vec3 coarse = end(1e-3, "2"), middle = end(0.5e-3, "2"), fine = end(0.25e-3, "2");
   EXPECT_NEAR((coarse - middle).norm() / (middle - fine).norm(), 4, 0.5);
   // Richardson: the limit is a third of the last change further on. Implicit Euler is further from
@@ -73,9 +74,7 @@ TEST(SecondOrder, EndsWhereTouchesBegin) {
 
 // What two steps back was is part of the state: a run that goes on from one is the same to the bit.
 TEST(SecondOrder, GoesOnFromAStateToTheBit) {
-  const std::string settings = "dt='5 ms' time_order='2'";
-  TextRun whole(swung, settings), halved(swung, settings), on(swung, settings);
-  ASSERT_TRUE(whole && halved && on);
+  TextRun whole = carried(5e-3, "2"), halved = carried(5e-3, "2"), on = carried(5e-3, "2");
   for (int n = 0; n < 10; ++n) {
     whole.simulation().step();
     halved.simulation().step();
@@ -84,13 +83,13 @@ TEST(SecondOrder, GoesOnFromAStateToTheBit) {
   for (int n = 0; n < 10; ++n) {
     whole.simulation().step();
     on.simulation().step();
-    EXPECT_EQ(whole.vector("/t", "end_position"), on.vector("/t", "end_position")) << n;
+    EXPECT_EQ(end_of(whole), end_of(on)) << n;
   }
 }
 
 TEST(SecondOrder, OfAnotherNumberIsAnError) {
   for (const char* order : {"0", "3", "1.5", "two"}) {
-    TextRun run(swung, std::string("time_order='") + order + "'");
+    TextRun run("<SutureThread thread_length='50 mm'/>", std::string("time_order='") + order + "'");
     EXPECT_FALSE(run) << order;
     EXPECT_NE(run.said().find("time_order"), std::string::npos) << run.said();
   }

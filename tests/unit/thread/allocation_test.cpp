@@ -49,6 +49,23 @@ TEST(Allocation, NoneInTheStep) {
   }
 }
 
+// A moment at the end: its columns find their memory in the first step.
+TEST(Allocation, NoneUnderAMomentThatKeepsItsDirection) {
+  Rod rod;
+  rod.build(straight_layout(0.1, 50, nylon()));
+  rod.clamp(0);
+  RodStep step(rod);
+  VecX load = VecX::Zero(rod.dofs());
+  load.tail<3>() = Vec3(1e-7, 2e-7, 0);
+  step.set_load(load);
+  const VecX none = VecX::Zero(rod.dofs());
+  EXPECT_GT(step.advance(rod, 0.01, Vec3::Zero(), none, well_balanced), 0);
+  const long before = allocations();
+  for (int i = 0; i < 10; ++i)
+    EXPECT_GT(step.advance(rod, 0.01, Vec3::Zero(), none, well_balanced), 0);
+  EXPECT_EQ(allocations(), before);
+}
+
 /// A thread clamped at one end falls, swings and curls with adaptive sampling.
 struct FallingThread {
   Diagnostics diagnostics;
