@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace sutura::contact {
 namespace {
@@ -71,84 +70,105 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
 }
 
 void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {
-  const MovingSurface& nodes = nodes_are_second ? second() : first_;
-  const MovingSurface& faces = nodes_are_second ? first_ : second();
+  const Real around = std::max(reach, depth * edge_length());
+  const Search search{nodes_are_second ? second() : first_, nodes_are_second ? first_ : second(),
+                      nodes_are_second, reach, around};
+  for (const MovingSurface::SurfaceNode& n : search.nodes.surface_nodes()) {
+    Touch touch;
+    if (meet(search, n, touch)) out.push_back(touch);
+  }
+}
+
+bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch) {
+  const auto& [nodes, faces, nodes_are_second, reach, around] = search;
   const std::vector<Vec3>& normals = nodes_are_second ? normals_second_ : normals_first_;
-  const Real edge = edge_length();
-  const bool node_is_rigid = nodes.boundary()->is_rigid();
-  const Real around = std::max(reach, depth * edge), aside = beside * around / depth;
-  for (const MovingSurface::SurfaceNode& n : nodes.surface_nodes()) {
-    const Index node = n.node;
-    const Vec3 p = nodes.point(node);
-    const Vec3 outward = normals[static_cast<std::size_t>(node)].normalized();
-    Box box;
-    box.add(p), box.add(p - nodes.moved(node));
-    // Of the rim of something thin the mean is that of its wide sides, and the rim goes first.
-    const auto faces_a_side = [&](const Vec3& normal) {
-      const auto sides = nodes.around(n);
-      return std::any_of(sides.begin(), sides.end(),
-                         [&](Index side) { return normal.dot(nodes.normal(side)) <= facing; });
-    };
+  Seeker seeker{n.node, nodes.point(n.node), normals[static_cast<std::size_t>(n.node)].normalized(),
+                std::nullopt};
+  Box way;
+  way.add(seeker.at), way.add(seeker.at - nodes.moved(n.node));
+  near_.clear();
+  Passing first;
+  Near best;
+  faces.near(way.grown(around), [&](Index t) {
+    if (never_meet(search, n.node, t)) return;
+    const Vec3 normal = faces.normal(t);
+    const bool is_facing = normal.dot(seeker.outward) <= facing;
+    const Passing through = passing(nodes, n.node, faces, t);
+    if (through.free < first.free && (is_facing || faces_a_side(nodes, n, normal))) {
+      first = through;
+      best = {t, through.weights, 0};
+    }
+    if (first.free == 1 && is_facing) add_near(search, t, seeker);
+  });
+  free_way_ = std::min(free_way_, first.free);
+  if (first.free == 1 && !near_.empty()) best = nearest();
+  if (best.triangle < 0) return false;
+
+  const Corners c = faces.now(best.triangle);
+  const Vec3 normal = faces.normal(best.triangle);
+  touch.triangle = best.triangle;
+  touch.weights = best.weights;
+  touch.normal = nodes_are_second ? Vec3(-normal) : normal;
+  touch.along = touch.normal.unitOrthogonal();
+  touch.at = best.weights[0] * c[0] + best.weights[1] * c[1] + best.weights[2] * c[2];
+  touch.gap = normal.dot(seeker.at - touch.at);
+  touch.node = n.node;
+  touch.node_triangle = n.triangle;
+  touch.node_weights = n.weights;
+  touch.nodes_are_second = nodes_are_second;
+  touch.first_place = static_cast<Real>(nodes_are_second ? -1 - n.node : n.node);
+  return true;
+}
+
+/// A node and a triangle that it is a corner of; or one where nodes of the first, which lie on the
+/// tool, say already that the two touch.
+bool SurfaceSurface::never_meet(const Search& search, Index node, Index triangle) const {
+  const auto& corners = search.faces.nodes(triangle);
+  const bool is_own = &search.nodes == &search.faces &&
+                      std::find(corners.begin(), corners.end(), node) != corners.end();
+  return is_own || (search.nodes.boundary()->is_rigid() && is_touched(touched_first_, corners));
+}
+
+/// Of the rim of something thin the mean normal is that of its wide sides, and the rim goes first.
+bool SurfaceSurface::faces_a_side(const MovingSurface& nodes, const MovingSurface::SurfaceNode& n,
+                                  const Vec3& normal) {
+  const auto sides = nodes.around(n);
+  return std::any_of(sides.begin(), sides.end(),
+                     [&](Index side) { return normal.dot(nodes.normal(side)) <= facing; });
+}
+
+void SurfaceSurface::add_near(const Search& search, Index t, Seeker& seeker) {
+  const MovingSurface& faces = search.faces;
+  const Corners c = faces.now(t);
+  const TrianglePoint foot = closest_point(seeker.at, c);
+  const Vec3 apart = seeker.at - foot.on(c), normal = faces.normal(t);
+  const Real height = normal.dot(apart), slack = rounding * edge_length();
+  // Further beside the triangle nothing touches, however near: whether it does must not change as
+  // the gap closes.
+  const Real aside = beside * search.around / depth;
+  if ((apart - height * normal).norm() > aside) return;
+  if (height > search.reach || height < -deepest(faces, t)) return;
+  if (height < -slack) {
     // What is behind a triangle is inside, or on the far side of something thin, or beside it. A
     // little before the node, so that what it belongs to does not count.
-    std::optional<bool> inside;
-    const auto is_inside = [&] {
-      if (!inside) inside = faces.boundary()->depth(p + rounding * edge * outward) > 0;
-      return *inside;
-    };
-    near_.clear();
-    Touch best;
-    Real least = std::numeric_limits<Real>::infinity(), free = 1;
-    const auto take = [&](Index t, const Vec3& weights, const Vec3& normal) {
-      const Corners c = faces.now(t);
-      best.triangle = t;
-      best.weights = weights;
-      best.normal = nodes_are_second ? Vec3(-normal) : normal;
-      best.at = weights[0] * c[0] + weights[1] * c[1] + weights[2] * c[2];
-      best.gap = normal.dot(p - best.at);
-    };
-    faces.near(box.grown(around), [&](Index t) {
-      const auto& corners = faces.nodes(t);
-      const bool own =
-          &nodes == &faces && (corners[0] == node || corners[1] == node || corners[2] == node);
-      const bool is_said = node_is_rigid && is_touched(touched_first_, corners);
-      const Vec3 normal = faces.normal(t);
-      if (own || is_said) return;
-      const bool is_facing = normal.dot(outward) <= facing;
-      const Passing way = passing(nodes, node, faces, t);
-      if (way.free < free && (is_facing || faces_a_side(normal))) {
-        free = way.free;
-        take(t, way.weights, normal);
-      }
-      if (free < 1 || !is_facing) return;
-      const Corners c = faces.now(t);
-      const TrianglePoint foot = closest_point(p, c);
-      const Vec3 apart = p - foot.on(c);
-      const Real height = normal.dot(apart), distance = apart.norm();
-      // Further beside the triangle nothing touches, however near: whether it does must not change
-      // as the gap closes.
-      if ((apart - height * normal).norm() > aside) return;
-      if (height > reach || height < -deepest(faces, t)) return;
-      if (height < -rounding * edge && !is_inside()) return;
-      least = std::min(least, distance);
-      near_.push_back({t, foot.weights, distance});
-    });
-    // Where it stands on the border of two triangles their normals differ: that of the lower number
-    // is taken, whatever rounding says, else passes would go to and fro.
-    for (const Near& on : near_)
-      if (free == 1 && on.distance <= least + rounding * edge &&
-          (best.triangle < 0 || on.triangle < best.triangle))
-        take(on.triangle, on.weights, faces.normal(on.triangle));
-    free_way_ = std::min(free_way_, free);
-    if (best.triangle < 0) continue;
-    best.node = node;
-    best.node_triangle = n.triangle;
-    best.node_weights = n.weights;
-    best.nodes_are_second = nodes_are_second;
-    best.first_place = static_cast<Real>(nodes_are_second ? -1 - node : node);
-    best.along = best.normal.unitOrthogonal();
-    out.push_back(best);
+    if (!seeker.is_inside)
+      seeker.is_inside = faces.boundary()->depth(seeker.at + slack * seeker.outward) > 0;
+    if (!*seeker.is_inside) return;
   }
+  near_.push_back({t, foot.weights, apart.norm()});
+}
+
+/// Where a node stands on the border of two triangles their normals differ: that of the lower
+/// number is taken, whatever rounding says, else passes would go to and fro.
+SurfaceSurface::Near SurfaceSurface::nearest() const {
+  Real least = std::numeric_limits<Real>::infinity();
+  for (const Near& on : near_) least = std::min(least, on.distance);
+  Near best;
+  for (const Near& on : near_)
+    if (on.distance <= least + rounding * edge_length() &&
+        (best.triangle < 0 || on.triangle < best.triangle))
+      best = on;
+  return best;
 }
 
 SurfaceSurface::Passing SurfaceSurface::passing(const MovingSurface& nodes, Index node,

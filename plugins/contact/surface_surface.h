@@ -2,6 +2,8 @@
 // face them, and edges that stand out against each other.
 #pragma once
 
+#include <optional>
+
 #include "moving_surface.h"
 #include "surface_edges.h"
 #include "touch.h"
@@ -40,8 +42,25 @@ class SurfaceSurface : public Pair {
   /// So deep behind a triangle something is taken for having come in there (m).
   Real deepest(const MovingSurface& faces, Index triangle) const;
   static void add_normals(const MovingSurface& surface, std::vector<Vec3>& normals);
-  /// Nodes of one surface against the other. `reach`: in front of it (m).
+  /// Nodes of one surface that look for triangles of the other.
+  struct Search {
+    const MovingSurface& nodes;
+    const MovingSurface& faces;
+    bool nodes_are_second;
+    Real reach;   ///< in front of a triangle (m)
+    Real around;  ///< m
+  };
+  struct Seeker {
+    Index node;
+    Vec3 at, outward;
+    std::optional<bool> is_inside;  ///< the body of the triangles, as far as that was asked
+  };
   void meet(bool nodes_are_second, Real reach, std::vector<Touch>& out);
+  /// False if the node touches nothing.
+  bool meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch);
+  bool never_meet(const Search& search, Index node, Index triangle) const;
+  static bool faces_a_side(const MovingSurface& nodes, const MovingSurface::SurfaceNode& n,
+                           const Vec3& normal);
   /// Where on its way a node goes through a triangle, deeper than touches see: until when it is
   /// free, and where on the triangle; 1 if it does not.
   struct Passing {
@@ -65,6 +84,9 @@ class SurfaceSurface : public Pair {
     Vec3 weights = Vec3::Zero();
     Real distance = 0;  ///< m
   };
+  /// To those of the node, if this one is.
+  void add_near(const Search& search, Index triangle, Seeker& seeker);
+  Near nearest() const;
   std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
   bool is_self_;

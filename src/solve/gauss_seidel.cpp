@@ -105,104 +105,121 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
 }
 
 bool BlockGaussSeidel::is_solved(ConstraintProblem& problem) {
+  load(problem);
+  return look(problem).value <= options_.tolerance;
+}
+
+Residual BlockGaussSeidel::look(ConstraintProblem& problem) {
+  return natural_map(problem, compliance_, lambda_plus_);
+}
+
+/// The problem is another one since the last sweep: what was learned from sweeps counts no more.
+Residual BlockGaussSeidel::look_anew(ConstraintProblem& problem) {
+  pause_ = {};
+  last_gradient_ = 0;
+  return look(problem);
+}
+
+/// For the compliance that the blocks have now.
+void BlockGaussSeidel::load(ConstraintProblem& problem) {
   compliance_.prepare(problem);
   compliance_.update_delta(problem);
-  return natural_map(problem, compliance_, lambda_plus_).value <= options_.tolerance;
+}
+
+void BlockGaussSeidel::begin(ConstraintProblem& problem) {
+  if (!problem.lambda.allFinite()) problem.lambda.setZero();
+  load(problem);
+  random_ = options_.seed;
+  order_.resize(problem.blocks.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  if (options_.acceleration == Acceleration::nncg) search_.setZero(problem.rows());
+  on_device_ = device_ != nullptr && device_->load(problem);
+  if (device_ != nullptr && !on_device_) trouble_ = device_->why_not();
+  subspace_.begin(on_device_ ? device_ : nullptr);
+}
+
+/// One sweep; on a device perhaps more of them, up to `most`.
+Index BlockGaussSeidel::sweep_once(ConstraintProblem& problem, bool first, Real residual,
+                                   Index most) {
+  if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
+  Index swept = 0;
+  // With the direct step one sweep is often all, and W may be in the cache here.
+  const bool here = first && options_.acceleration == Acceleration::subspace;
+  if (on_device_ && !here) swept = sweep_on_device(problem, residual, most);
+  if (swept == 0) {
+    sweep(problem);
+    swept = 1;
+  }
+  if (options_.acceleration == Acceleration::nncg) conjugate(problem);
+  return swept;
+}
+
+/// After a sweep that took the residual from `before` to `residual`, if it pays.
+void BlockGaussSeidel::step_directly(ConstraintProblem& problem, Real before, Residual& residual,
+                                     SolveReport& report) {
+  if (options_.acceleration != Acceleration::subspace || residual.value <= options_.tolerance)
+    return;
+  if (--pause_.left >= 0) return;
+  const Index free = subspace_.gather(problem, compliance_);
+  if (!direct_step_pays(problem, free, before, residual.value)) return;
+  const Real by_sweeps = residual.value;
+  const bool may_walk = pause_.length == 4 || pause_.length == 8;
+  residual = subspace_.newton(problem, compliance_, residual, options_.tolerance, lambda_plus_,
+                              report, may_walk);
+  // Modes were not right yet: let sweeps find them, longer each time.
+  pause_.length = residual.value < 0.1 * by_sweeps ? 1 : 2 * pause_.length;
+  pause_.left = pause_.length;
 }
 
 SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, bool may_soften) {
   SolveReport report;
-  compliance_.prepare(problem);
-  random_ = options_.seed;
-  order_.resize(problem.blocks.size());
-  std::iota(order_.begin(), order_.end(), std::size_t{0});
-  last_gradient_ = 0;
-  if (options_.acceleration == Acceleration::nncg) search_.setZero(problem.rows());
-
+  begin(problem);
+  Residual residual = look_anew(problem);
   bool softened = false;
   int taken_back = 0;
-  on_device_ = device_ != nullptr && device_->load(problem);
-  if (device_ != nullptr && !on_device_) trouble_ = device_->why_not();
-  subspace_.begin(on_device_ ? device_ : nullptr);
-
-  if (!problem.lambda.allFinite()) problem.lambda.setZero();
-  compliance_.update_delta(problem);
-  Residual residual = natural_map(problem, compliance_, lambda_plus_);
-  Index pause = 0;  // sweeps before the next direct step
-  Index wait = 1;
-  while (true) {
-    if (!std::isfinite(residual.value)) break;
+  while (std::isfinite(residual.value)) {
     const bool converged = residual.value <= options_.tolerance;
     if (converged && softened && taken_back < most_taken_back) {
       ++taken_back;
       if (redundant_.take_back(problem) > negligible) {
         compliance_.update_delta(problem);
-        residual = natural_map(problem, compliance_, lambda_plus_);
+        residual = look(problem);
         continue;
       }
     }
     if (!converged && !softened && may_soften && report.sweeps >= patience &&
         redundant_.soften(problem)) {
       softened = true;
-      compliance_.prepare(problem);
+      load(problem);
       if (on_device_) on_device_ = device_->load(problem);
       subspace_.begin(on_device_ ? device_ : nullptr);
-      compliance_.update_delta(problem);
-      residual = natural_map(problem, compliance_, lambda_plus_);
-      pause = 0;
-      wait = 1;
-      last_gradient_ = 0;
+      residual = look_anew(problem);
       continue;
     }
     // A problem that will not converge to the tolerance must not hold its events for ever.
-    if (converged || (residual.value <= event_gate && 2 * report.sweeps >= sweeps)) {
-      const Index fired = problem.hold_events ? 0 : fire_events(problem);
+    const bool events_are_due =
+        converged || (residual.value <= event_gate && 2 * report.sweeps >= sweeps);
+    if (events_are_due && !problem.hold_events) {
+      const Index fired = fire_events(problem);
+      report.events += fired;
       if (fired > 0) {
-        report.events += fired;
-        residual = natural_map(problem, compliance_, lambda_plus_);
-        pause = 0;
-        wait = 1;
-        last_gradient_ = 0;
+        residual = look_anew(problem);
         continue;
       }
     }
     if (converged || report.sweeps >= sweeps) break;
 
     const Real before = residual.value;
-    if (options_.acceleration == Acceleration::nncg) before_ = problem.lambda;
-    Index swept = 0;
-    // With the direct step one sweep is often all, and W may be in the cache here.
-    const bool direct = options_.acceleration == Acceleration::subspace;
-    if (on_device_ && (!direct || report.sweeps > 0))
-      swept = sweep_on_device(problem, before, sweeps - report.sweeps);
-    if (swept == 0) {
-      sweep(problem);
-      swept = 1;
-    }
-    report.sweeps += swept;
-    if (options_.acceleration == Acceleration::nncg) conjugate(problem);
-    residual = natural_map(problem, compliance_, lambda_plus_);
-
-    if (options_.acceleration == Acceleration::subspace && residual.value > options_.tolerance &&
-        --pause < 0) {
-      const Index free = subspace_.gather(problem, compliance_);
-      if (direct_step_pays(problem, free, before, residual.value)) {
-        const Real by_sweeps = residual.value;
-        residual = subspace_.newton(problem, compliance_, residual, options_.tolerance,
-                                    lambda_plus_, report, wait == 4 || wait == 8);
-        // Modes were not right yet: let sweeps find them, longer each time.
-        wait = residual.value < 0.1 * by_sweeps ? 1 : 2 * wait;
-        pause = wait;
-      }
-    }
+    report.sweeps += sweep_once(problem, report.sweeps == 0, before, sweeps - report.sweeps);
+    residual = look(problem);
+    step_directly(problem, before, residual, report);
   }
 
   if (softened) {
     // Reported is how far the problem as it was asked is from its laws.
     redundant_.harden(problem);
-    compliance_.prepare(problem);
-    compliance_.update_delta(problem);
-    residual = natural_map(problem, compliance_, lambda_plus_);
+    load(problem);
+    residual = look(problem);
   }
   report.residual = residual.value;
   report.violation = residual.violation;

@@ -44,13 +44,26 @@ class BlockGaussSeidel {
   bool is_solved(ConstraintProblem& problem);
   /// Sweeps and direct steps until every block obeys its law, or the budget is spent.
   SolveReport iterate(ConstraintProblem& problem, Index sweeps, bool may_soften);
+  void begin(ConstraintProblem& problem);
+  void load(ConstraintProblem& problem);
+  Residual look(ConstraintProblem& problem);
+  Residual look_anew(ConstraintProblem& problem);
+  Index sweep_once(ConstraintProblem& problem, bool first, Real residual, Index most);
+  void step_directly(ConstraintProblem& problem, Real before, Residual& residual,
+                     SolveReport& report);
   void shuffle();
   void sweep(ConstraintProblem& problem);
   Index sweep_on_device(ConstraintProblem& problem, Real residual, Index most);
   void conjugate(ConstraintProblem& problem);
   bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
 
+  /// Sweeps between one direct step and the next.
+  struct Pause {
+    Index left = 0, length = 1;
+  };
+
   GaussSeidelOptions options_;
+  Pause pause_;
   Compliance compliance_;
   SubspaceStep subspace_;
   LinearRows linear_;

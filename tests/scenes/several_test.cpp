@@ -52,7 +52,8 @@ TEST(TwoThreads, EachIsHeldByTheFrictionOfItsOwnMaterial) {
       expected_sum += pull / (mu * slit * (skin * in_skin + fat * (inside - in_skin)));
       ++slides;
     }
-    EXPECT_NEAR(sum / slides, 1, 0.03) << side;  // as in three_bites_test.cpp
+    // As through one bite of three_bites_test.cpp, which is 0.2 to 1.4 % off.
+    EXPECT_NEAR(sum / slides, 1, 0.03) << side;
     // From material, thickness of the layers and the needle's circle alone. The pad gives way under
     // the needle, so the channel is not quite that circle: half a millimetre of skin for fat or
     // fat for skin is 4 % of the force; twice that is allowed.

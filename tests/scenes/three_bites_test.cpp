@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "csv.h"
 #include "house/command.h"
@@ -13,49 +14,50 @@
 namespace sutura::testing {
 namespace {
 
-constexpr double friction = 0.1 * 20e3;        // mu p of the scene, Pa
-constexpr double thread_diameter = 0.175e-3;   // m
-constexpr std::size_t steps_per_second = 100;  // the scene's step
+constexpr double friction = 0.1 * 20e3;       // mu p of the scene, Pa
+constexpr double thread_diameter = 0.175e-3;  // m
 
-Table run() {
-  const house::TemporaryFolder folder("three_bites");
-  const house::Outcome outcome = house::command("run " SUTURA_SOURCE_DIR
-                                                "/scenes/validation/three_bites.xml"
-                                                " --set /vtu_recorder.interval=1e9 --output " +
-                                                folder.path().string());
+Table run(const std::string& dt) {
+  const house::TemporaryFolder folder("three_bites_" + dt);
+  const house::Outcome outcome =
+      house::command("run " SUTURA_SOURCE_DIR "/scenes/validation/three_bites.xml --set .dt=" + dt +
+                     " --set /vtu_recorder.interval=1e9 --output " + folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_EQ(outcome.text.find("TOLERANCE MISSED"), std::string::npos) << outcome.text;
   return read_csv((folder.path() / "bites.csv").string());
 }
 
 /// The puller lifts the needle straight up and the thread behind it slides through every bite: the
-/// force on the puller is mu p times the surface inside, whatever the corners. The mean is met
-/// within 3 % (0.2 % through one bite and 2.3 % through two were seen, whatever the step: what is
-/// left is that of beams and samples at the mouths). A single step
-/// may be off by 20 %: rows hold the material that the last slip predicts, and while the slip
-/// changes by a h^2 = 0.02 mm a step they pull 0.02 rad aslant, of the ten times larger force
-/// across the thread.
+/// force on the puller is mu p times the surface inside, whatever the corners. Asked is its mean
+/// within 5 % at any step up to 20 ms. Seen were 0.2, 1 and 3 % through one, two and three bites at
+/// 10 and 20 ms, and 8 % less or more in a single step: what is left is that of beams and samples
+/// at the mouths.
 void expect_pull_is_friction(const Table& t, double from, double to) {
   double sum = 0;
-  int slides = 0;
-  for (auto row = std::size_t(from * steps_per_second); row < std::size_t(to * steps_per_second);
-       ++row) {
+  int slides = 0, steps = 0;
+  for (std::size_t row = 1; row < t.rows.size(); ++row) {
+    const double time = t.number(row, "time [s]");
+    if (time < from || time >= to) continue;
+    ++steps;
     if (std::abs(t.number(row, "friction.sliding")) != t.number(row - 1, "path.samples")) continue;
     const double inside = t.number(row - 1, "path.inserted_length [m]");
     const double law = friction * std::numbers::pi * thread_diameter * inside;
     const double pull = std::hypot(t.number(row, "tools/puller.force.x [N]"),
                                    t.number(row, "tools/puller.force.y [N]"),
                                    t.number(row, "tools/puller.force.z [N]"));
-    EXPECT_NEAR(pull, law, 0.2 * law) << "at row " << row;
+    EXPECT_NEAR(pull, law, 0.15 * law) << "at row " << row;
     sum += pull / law;
     ++slides;
   }
-  EXPECT_GT(slides, (to - from) * steps_per_second / 2) << "from " << from;
-  EXPECT_NEAR(sum / slides, 1, 0.03) << "from " << from;
+  EXPECT_GT(slides, steps / 2) << "from " << from;
+  EXPECT_NEAR(sum / slides, 1, 0.05) << "from " << from;
 }
 
-TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
-  const Table t = run();
+class ThreeBites : public ::testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(AtAnyStep, ThreeBites, ::testing::Values("10ms", "20ms"));
+
+TEST_P(ThreeBites, TheThreadSlidesThroughAllOfThem) {
+  const Table t = run(GetParam());
   const std::size_t last = t.rows.size() - 1;
   EXPECT_EQ(t.number(last, "puncture.punctures") + t.number(last, "puncture.overruns"), 6)
       << "in and out, three times";
@@ -66,8 +68,9 @@ TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
     EXPECT_LT(t.number(i, "path.lateral_gap [m]"), 0.1e-3) << "at row " << i;
     EXPECT_LT(t.number(i, "path.lateral_force [N]"), 0.3) << "at row " << i;
   }
-  expect_pull_is_friction(t, 3.4, 3.9);    // through one bite
-  expect_pull_is_friction(t, 8.55, 8.95);  // through two
+  expect_pull_is_friction(t, 3.4, 3.9);      // through one bite
+  expect_pull_is_friction(t, 8.55, 8.95);    // through two
+  expect_pull_is_friction(t, 13.55, 13.95);  // through three
   // The length in the three bites is the length of their channels: the thread cuts no corner
   // inside.
   EXPECT_GT(t.number(last, "path.entry_abscissa [m]"), 0.13);
