@@ -153,6 +153,10 @@ class Body {
   /// About how far the guess is from where the motion would be if the step were infinitely short
   /// (m): h/2 times the change of velocity, the largest over the nodes that nothing holds.
   virtual Real time_error(const StepContext& /*context*/) const { return 0; }
+  /// Once the guess of a step of second order is balanced: has the motion changed about as it did
+  /// in the step before, to which such a step looks back? If not, the step is begun anew in first
+  /// order.
+  virtual bool goes_on_as_before(const StepContext& /*context*/) { return true; }
   /// Linearisations that a step takes at least, whatever the imbalance.
   virtual Index least_passes() const { return 1; }
   /// The guess is the end of the step. `force`: of the constraints on it.

@@ -72,6 +72,8 @@ struct Setup {
   /// Of keys at `times` (s, increasing), some are closer together than a step, which looks at one
   /// time only.
   void warn_of_hidden_keys(const Component& who, const std::vector<Real>& times);
+  /// Of loads: what only acts before the first step ends.
+  void warn_of_hidden_start(const Component& who, const std::vector<Real>& times);
 };
 
 class Component {

@@ -205,6 +205,7 @@ class Simulation {
   bool measure(const StepContext& context);
   bool is_short_enough(const StepContext& context);
   bool leave_saddles();
+  bool goes_on_as_before(const StepContext& context);
   Index least_passes() const;
   void forget_passes();
   void end_with_best_guess(const StepContext& context, Timer& timer);

@@ -94,9 +94,9 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, const
   for (int k = 0; k < most_points; ++k) {
     const Real r = disc_ * std::sqrt((k + 0.5) / most_points), angle = golden * k;
     const Vec3 p = centre + r * (std::cos(angle) * u + std::sin(angle) * v);
-    const auto foot = tissue.closest_surface(p, disc_, shape);
     // The other side of a slit or of a thin sheet is not under the tip.
-    if (!foot || !(foot->normal.dot(outward) > 0)) continue;
+    const auto foot = tissue.closest_surface(p, disc_, shape, outward);
+    if (!foot) continue;
     const Vec3 apart = tissue.position(foot->at, Configuration::start) - surface.position;
     if (apart.norm() < most_stretch * r) points_.push_back(*foot);
   }

@@ -5,6 +5,7 @@
 
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
+#include "sutura/scene.h"
 #include "sutura/units.h"
 
 namespace sutura::suturing {
@@ -94,7 +95,13 @@ void SuturePath::initialise(Setup& setup) {
 /// Again, because the nodes of the thread have moved to where they are held. The first time told a
 /// Contact what is inside.
 void SuturePath::ready(Setup& setup) {
-  if (sewn_) sew(setup);
+  if (sewn_) return sew(setup);
+  const auto& all = setup.scene->components();
+  if (std::none_of(all.begin(), all.end(),
+                   [](const Component* c) { return c->info().name == "Puncture"; }))
+    setup.warning(*this,
+                  "nothing opens the tissue: without a Puncture the needle goes through it as if "
+                  "it were not there");
 }
 
 void SuturePath::sew(Setup& setup) {

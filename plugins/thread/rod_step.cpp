@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
+#include "element_mass.h"
 #include "rod_potential.h"
 
 namespace sutura::thread {
@@ -17,10 +19,12 @@ constexpr Real negligible = 1e-6;
 /// What is missing of balance at a node, r (N, N m), as a share of what is at work there. Roll is
 /// judged by itself: the force of a taut thread times the length of a beam may be a million times
 /// what twists it.
-Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const ElementRest& beam) {
+/// Forces below `rounding` (N) count for nothing.
+Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const ElementRest& beam,
+           Real rounding) {
   constexpr Real twist = 1;  // rad in a beam: where less is at work, roll is judged beside it
   AtWork missing;
-  missing.force = r.head<3>().norm();
+  missing.force = std::max(Real(0), r.head<3>().norm() - rounding);
   missing.add_moment(r.tail<3>(), tangent);
   const Real force = at_work.force + at_work.bending / beam.length;
   const Real roll = at_work.roll + twist * beam.torsion + negligible * force * beam.length;
@@ -193,7 +197,12 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
       scale.add_moment(force.segment<3>(6 * k + 3), tangent(rod.poses()[k]));
     }
     const ElementRest& beam = rod.element(std::min(i, rod.beams() - 1));
-    const Real relative = share(r, tangent(rod.poses()[i]), scale, beam);
+    // A position is rounded by up to an ulp, and a beam is stretched by that.
+    const Vec3& place = rod.poses()[i].position;
+    const Real ulp = std::numeric_limits<Real>::epsilon() * place.lpNorm<Eigen::Infinity>();
+    const Real rounding =
+        ulp / beam.length * beam.axial * (1 + start_.damping.stiffness / start_.dt);
+    const Real relative = share(r, tangent(rod.poses()[i]), scale, beam, rounding);
     const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / beam.length);
     // What is not a number at one node stays so: the next one must not hide it.
     if (!std::isfinite(size)) return {size, size};
@@ -215,6 +224,25 @@ Real RodStep::time_error(const Rod& rod) const {
   }
   constexpr Real bdf2 = 2. / 9;  // of h^3 times the third derivative, with equal steps
   return (share_ > 0 ? bdf2 : 0.5) * length_ * std::sqrt(most);
+}
+
+bool RodStep::goes_on_as_before(const Rod& rod) {
+  if (share_ == 0) return true;
+  constexpr Real most = 0.5;  // a mode goes on as before from 12 steps a period on
+  const DofVector& before = before_.start.velocity;
+  const Real w = length_ / before_.length;
+  Real largest = 0, off = 0;
+  // Squares of changes of velocity in a beam, its spin counted by the energy that it has.
+  const auto square = [&](Index e, const DofVector& v) {
+    return kinetic(rod.inertia(e), guess_.beams[e], ElementVelocity(v, e)) / rod.element(e).mass;
+  };
+  change_ = w * (now_.velocity - before);
+  answer_ = rod.velocity() - now_.velocity;
+  for (Index e = 0; e < rod.beams(); ++e)
+    largest = std::max({largest, square(e, change_), square(e, answer_)});
+  answer_ -= change_;
+  for (Index e = 0; e < rod.beams(); ++e) off = std::max(off, square(e, answer_));
+  return off <= most * most * largest;
 }
 
 void RodStep::end(Rod& rod, const Dofs& force) {

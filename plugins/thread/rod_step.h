@@ -48,6 +48,9 @@ class RodStep {
   /// h/2 times the change of velocity, the largest over the nodes that nothing holds (m); two steps
   /// back, what BDF2 leaves out of the motion in a step.
   Real time_error(const Rod& rod) const;
+  /// Two steps back: whether velocities have changed about as they did in the step before. If not
+  /// (a hand has let go, a load has begun), what they did then does not tell how they go on.
+  bool goes_on_as_before(const Rod& rod);
   /// A balanced guess that is no minimum of the potential, with what constraints push held where it
   /// is, moves on to where that is lower. False if it is a minimum.
   bool leave_saddle(Rod& rod);

@@ -141,6 +141,10 @@ bool SutureThread::leave_saddle() {
   return factored_ && step_.leave_saddle(rod_);
 }
 
+bool SutureThread::goes_on_as_before(const StepContext&) {
+  return step_.goes_on_as_before(rod_);
+}
+
 void SutureThread::end_step(const StepContext&, const VecX& force) {
   step_.end(rod_, force);
   limits_.clear();

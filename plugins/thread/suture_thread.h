@@ -68,6 +68,7 @@ class SutureThread : public Component,
   Real time_error(const StepContext&) const override { return step_.time_error(rod_); }
   Index least_passes() const override { return newton_iterations; }
   bool leave_saddle() override;
+  bool goes_on_as_before(const StepContext&) override;
   void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override { return rod_.momentum(); }
   Real mass() const override { return rod_.mass(); }

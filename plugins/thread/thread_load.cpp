@@ -32,6 +32,7 @@ void ThreadLoad::initialise(Setup& setup) {
   if (force_.isZero(0) && moment_.isZero(0))
     return setup.error(*this, "neither 'force' nor 'moment' is given");
   setup.warn_of_hidden_keys(*this, times_);
+  setup.warn_of_hidden_start(*this, times_);
   schedule_ = Schedule(times_, factors_);
   section_ = thread_->add_hold(at_);
 }

@@ -24,7 +24,8 @@ ConjugateGradientDevice* Assembly::device_for(const NodePattern& pattern) {
   ConjugateGradientDevice* const device = solver_.device();
   TetElementsView tets;
   Index revision = 0;
-  if (device == nullptr || !model_.elastic->tets(tets, revision)) return nullptr;
+  if (device == nullptr || !model_.followers.empty() || !model_.elastic->tets(tets, revision))
+    return nullptr;
   if (revision_ != revision) {
     const NodeMatrixView view{pattern.nodes(), pattern.row_start(), pattern.column(), nullptr};
     if (!device->set_elements(tets, view, model_.held.fixed())) return nullptr;
@@ -42,6 +43,7 @@ void Assembly::linearise_here(const VecX& x, Real h, NodeMatrix& A, VecX& force)
   force.setZero(x.size());
   model_.elastic->linearise(x, h * h + h * model_.damping_stiffness, A, force);
   model_.held.add_stiffness(h * h, A);
+  for (const FollowerLoad* follower : model_.followers) follower->add_stiffness(x, h * h, A);
   A.add_diagonal(model_.mass, 1 + h * model_.damping_mass);
 }
 

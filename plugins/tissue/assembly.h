@@ -18,8 +18,8 @@ class Assembly final : public MatrixSource {
 
   /// For a step of length h from these positions, until the next call.
   void begin(const VecX& start, Real h);
-  /// A <- (1 + h alpha) M + h^2 (K of supports) + (h^2 + h beta) (K of elements) at x; force <-
-  /// that of the elements (N). Rotations are found if the solver wants them.
+  /// A <- (1 + h alpha) M + h^2 (K of supports and loads) + (h^2 + h beta) (K of elements) at x;
+  /// force <- that of the elements (N). Rotations are found if the solver wants them.
   void linearise(const VecX& x, Real h, NodeMatrix& A, VecX& force, std::vector<Mat3>& rotations);
   /// force <- that of the elements (N).
   void find_force(const VecX& x, const NodePattern& pattern, VecX& force);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "sutura/geometry/distances.h"
@@ -184,18 +185,31 @@ bool SolidQueries::faces(Index triangle, const Vec3& direction) const {
 std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real reach,
                                                           const Vec3& facing) const {
   fit_triangles();
-  Real least = reach * reach;
+  // The triangles at an edge are as far from what is beside it, up to rounding, and it must not
+  // decide between the top of a block and its side: the one that faces that way more is taken, and
+  // of two that are as flat the lower number.
+  const bool any_way = facing.isZero(0);
+  const Real rounding = any_way ? 0 : 1e4 * std::numeric_limits<Real>::epsilon() * p.norm();
+  const Real as_flat = 1e-6 * facing.norm();
+  Real least = reach * reach, turned = 0;
+  const auto tie = [&] { return rounding * (2 * std::sqrt(least) + rounding); };
   Index triangle = -1;
   TrianglePoint closest;
   topology_->triangle_tree_.visit(
-      triangle_boxes_, [&](const Box& box) { return box.squared_distance(p) <= least; },
+      triangle_boxes_, [&](const Box& box) { return box.squared_distance(p) <= least + tie(); },
       [&](Index f) {
         if (!faces(f, facing)) return;
         const std::array<Vec3, 3> t = corners(f);
         const TrianglePoint c = closest_point(p, t);
         const Real distance = (p - c.on(t)).squaredNorm();
-        if (distance > least || (distance == least && triangle >= 0 && f > triangle)) return;
-        least = distance;
+        const Real towards = any_way ? 0 : surface_normal(f).dot(facing);
+        if (distance > least + tie()) return;
+        if (triangle >= 0 && distance >= least - tie()) {
+          if (towards < turned - as_flat) return;
+          if (towards <= turned + as_flat && f > triangle) return;
+        }
+        least = std::min(least, distance);
+        turned = towards;
         triangle = f;
         closest = c;
       });

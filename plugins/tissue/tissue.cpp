@@ -207,9 +207,17 @@ std::string Tissue::settle(const Vec3& gravity) {
   if (!model_.held.any())
     return "nothing holds this tissue, so it has no balance; it needs an Attach";
   VecX x = positions();
-  const VecX no_load = VecX::Zero(dofs());
-  const std::string trouble =
-      tissue::settle(model_, load().size() == dofs() ? load() : no_load, gravity, x);
+  if (load().size() != dofs()) load().setZero(dofs());
+  std::string trouble = tissue::settle(model_, load(), gravity, x);
+  // What follows the surface pushes elsewhere then, and so on.
+  constexpr int most = 100;
+  for (int k = 0; trouble.empty() && !model_.followers.empty(); ++k) {
+    const VecX before = load();
+    for (FollowerLoad* follower : model_.followers) follower->follow(x, load());
+    if ((load() - before).norm() <= 1e-6 * before.norm()) break;
+    trouble = k < most ? tissue::settle(model_, load(), gravity, x)
+                       : "under a pressure that follows its surface it finds no balance";
+  }
   set_state(x, VecX::Zero(dofs()));
   step_->renew();
   return trouble;

@@ -49,6 +49,8 @@ class Tissue : public Component, public MeshedSolid {
   /// As HeldNodes::support, of a node where it is at rest; so stiff that it gives way a million
   /// times less than the tissue around the node would.
   Index support(Index node, const std::array<bool, 3>& along);
+  /// Kept by reference.
+  void add_follower(FollowerLoad& follower) { model_.followers.push_back(&follower); }
   TissueModel& model() { return model_; }
   const TissueModel& model() const { return model_; }
 

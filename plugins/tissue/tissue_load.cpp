@@ -17,8 +17,9 @@ void TissueLoad::describe(Describe<TissueLoad>& d) {
       "Force and traction (force per area at rest) keep their direction, spread by area. A moment "
       "is spread as forces *f_i = w_i a x (x_i - c)* about the middle *c* of the part, *w_i* the "
       "share of node *i* and *a* such that their moment is the one asked for; it keeps its axis. "
-      "Pressure follows the surface as it is at the start of each step and pushes against its "
-      "outward normal. All of them are multiplied by the factor of the time, which is interpolated "
+      "Pressure pushes against the outward normal of the surface as it is at the end of each step, "
+      "found in the passes. All of them are multiplied by the factor of the time, which is "
+      "interpolated "
       "along lines between `times`, and 1 without them.");
   d.link("tissue", &T::tissue_, "The tissue that is loaded.");
   d.attribute("box", &T::box_, "m", any(), "Two opposite corners of the box, at rest.");
@@ -46,6 +47,7 @@ void TissueLoad::initialise(Setup& setup) {
   if (const std::string wrong = Schedule::check(times_, factors_); !wrong.empty())
     return setup.error(*this, wrong);
   setup.warn_of_hidden_keys(*this, times_);
+  setup.warn_of_hidden_start(*this, times_);
   schedule_ = Schedule(times_, factors_);
   std::string error;
   std::optional<Selection> part = select(*tissue_->mesh, box_, region_, error);
@@ -77,6 +79,10 @@ void TissueLoad::initialise(Setup& setup) {
   }
   if (on_faces)
     for (Real& w : share_) w /= area_;
+  if (pressure_ != 0) {
+    on_faces_.assign(part_.faces.size(), Vec3::Zero());
+    tissue_->add_follower(*this);
+  }
   if (!moment_.isZero(0) && part_.nodes.size() < 3)
     setup.error(*this, "a moment needs three nodes to act on, not in one line");
 }
@@ -101,13 +107,38 @@ void TissueLoad::add_moment(const Vec3& moment) {
     push(part_.nodes[k], share_[k] * a.cross(x.segment<3>(3 * part_.nodes[k]) - middle));
 }
 
-void TissueLoad::add_pressure(Real pressure) {
-  const VecX& x = tissue_->positions();
-  for (const BoundaryFace& face : part_.faces) {
-    const Vec3 a = x.segment<3>(3 * face.nodes[0]), b = x.segment<3>(3 * face.nodes[1]),
-               c = x.segment<3>(3 * face.nodes[2]);
-    const Vec3 force = -pressure / 6 * (b - a).cross(c - a);
-    for (const Index i : face.nodes) push(i, force);
+void TissueLoad::follow(const VecX& x, VecX& load) {
+  const Real pressure = factor_ * pressure_;
+  for (std::size_t k = 0; k < on_faces_.size(); ++k) {
+    const auto& node = part_.faces[k].nodes;
+    const Vec3 a = x.segment<3>(3 * node[0]), b = x.segment<3>(3 * node[1]),
+               c = x.segment<3>(3 * node[2]);
+    const Vec3 force = -pressure / 6 * (b - a).cross(c - a), change = force - on_faces_[k];
+    on_faces_[k] = force;
+    for (const Index i : node) load.segment<3>(3 * i) += change;
+    applied_ += 3 * change;
+  }
+}
+
+/// The force at each corner changes by p/6 e_j x dx_j as corner j moves, e_j the opposite side. Its
+/// skew part cancels between faces that share a side, and at a rim it is left out.
+void TissueLoad::add_stiffness(const VecX& x, Real scale, NodeMatrix& A) const {
+  const Real part = scale * factor_ * pressure_ / 12;
+  Real* const values = A.values();
+  for (std::size_t k = 0; k < on_faces_.size(); ++k) {
+    const auto& node = part_.faces[k].nodes;
+    const auto side = [&](std::size_t j) {
+      return Vec3(x.segment<3>(3 * node[(j + 1) % 3]) - x.segment<3>(3 * node[(j + 2) % 3]));
+    };
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        if (node[i] >= node[j]) continue;
+        const Vec3 s = part * (side(i) - side(j));
+        Mat3 cross;
+        cross << 0, -s.z(), s.y(), s.z(), 0, -s.x(), -s.y(), s.x(), 0;
+        Eigen::Map<Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>>(
+            values + 9 * A.slot(node[i], node[j])) += cross;
+      }
   }
 }
 
@@ -117,7 +148,8 @@ void TissueLoad::drive(const StepContext& context) {
   const Vec3 sum = factor_ * (force_ + area_ * traction_);
   for (std::size_t k = 0; k < share_.size(); ++k) push(part_.nodes[k], share_[k] * sum);
   if (!moment_.isZero(0)) add_moment(factor_ * moment_);
-  if (pressure_ != 0) add_pressure(factor_ * pressure_);
+  std::fill(on_faces_.begin(), on_faces_.end(), Vec3::Zero());
+  follow(tissue_->positions(), tissue_->load());
 }
 
 }  // namespace sutura::tissue

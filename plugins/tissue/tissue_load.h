@@ -11,16 +11,17 @@
 
 namespace sutura::tissue {
 
-class TissueLoad : public Component, public Driver {
+class TissueLoad : public Component, public Driver, private FollowerLoad {
  public:
   static void describe(Describe<TissueLoad>& d);
   void initialise(Setup& setup) override;
   void drive(const StepContext& context) override;
+  void follow(const VecX& x, VecX& load) override;
+  void add_stiffness(const VecX& x, Real scale, NodeMatrix& A) const override;
 
  private:
   void push(Index node, const Vec3& force);
   void add_moment(const Vec3& moment);
-  void add_pressure(Real pressure);
 
   Link<Tissue> tissue_;
   std::vector<Real> box_, times_, factors_;
@@ -30,8 +31,9 @@ class TissueLoad : public Component, public Driver {
 
   Schedule schedule_;
   Selection part_;
-  std::vector<Real> share_;  ///< of the whole, per node of part_
-  Real area_ = 0;            ///< at rest, m^2
+  std::vector<Real> share_;     ///< of the whole, per node of part_
+  std::vector<Vec3> on_faces_;  ///< of pressure, at each corner of each face of part_ (N)
+  Real area_ = 0;               ///< at rest, m^2
   Vec3 applied_ = Vec3::Zero();
   Real factor_ = 0;
 };

@@ -8,7 +8,7 @@
 
 namespace sutura::tissue {
 
-TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load,
+TissueStep::TissueStep(TissueModel& model, TissueSolver& solver, VecX& load,
                        std::shared_ptr<const NodePattern> pattern)
     : model_(model),
       solver_(solver),
@@ -117,7 +117,9 @@ void TissueStep::evaluate_force() {
 /// Beside the force of the material at x: that of supports and loads.
 void TissueStep::add_outer_forces() {
   model_.held.add_force(x_, force_);
-  if (load_.size() == model_.dofs()) force_ += load_;
+  if (load_.size() != model_.dofs()) return;
+  for (FollowerLoad* follower : model_.followers) follower->follow(x_, load_);
+  force_ += load_;
 }
 
 /// missing_ <- r at the guess, with the force that is known there.

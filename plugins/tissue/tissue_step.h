@@ -23,8 +23,8 @@ namespace sutura::tissue {
 class TissueStep {
  public:
   /// The first three are kept by reference. `load`: of the step (N), empty or three numbers per
-  /// node. `pattern`: of the pairs of the elements.
-  TissueStep(TissueModel& model, TissueSolver& solver, const VecX& load,
+  /// node; followers change it at every guess. `pattern`: of the pairs of the elements.
+  TissueStep(TissueModel& model, TissueSolver& solver, VecX& load,
              std::shared_ptr<const NodePattern> pattern);
 
   /// Makes the factor that the first step needs: the first step finds the same matrix again.
@@ -69,7 +69,7 @@ class TissueStep {
 
   TissueModel& model_;
   TissueSolver& solver_;
-  const VecX& load_;
+  VecX& load_;
 
   VecX x_, v_;  ///< the state; during a step, the guess of its end
   bool in_step_ = false;

@@ -103,7 +103,8 @@ std::string Summary::text(double wall_seconds) const {
          static_cast<double>(passes_) / n, static_cast<long>(most_passes_),
          static_cast<long>(divided_), static_cast<long>(steps_), static_cast<long>(most_parts_));
   if (of_second_order_ > 0)
-    append(out, "  %ld of %ld steps without rows, in which threads are of second order in time\n",
+    append(out,
+           "  %ld of %ld steps in which threads may look back two steps (second order in time)\n",
            static_cast<long>(of_second_order_), static_cast<long>(steps_));
   append(out, "  %ld events (a surface pierced, a sticking sample torn loose)\n",
          static_cast<long>(events_));

@@ -57,6 +57,12 @@ bool Simulation::leave_saddles() {
   return left;
 }
 
+bool Simulation::goes_on_as_before(const StepContext& context) {
+  return context.order == 1 || std::all_of(bodies_.begin(), bodies_.end(), [&](const NamedBody& b) {
+           return ask(b.body).goes_on_as_before(context);
+         });
+}
+
 Index Simulation::least_passes() const {
   Index least = 1;
   for (const NamedBody& b : bodies_) least = std::max(least, b.body->least_passes());

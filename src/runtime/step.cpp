@@ -126,12 +126,15 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     report_.solve.events += fired;
     forget_passes();
     if (fired > 0) continue;
-    if (!leave_saddles()) return true;
+    if (!leave_saddles()) {
+      return goes_on_as_before(context) || balance_in_first_order(context, timer);
+    }
     constexpr Index most_saddles = 16;
     if (++saddles > most_saddles) break;
     most += scene_->limits.passes;
     build(context, timer);
   }
+  if (context.order > 1) return balance_in_first_order(context, timer);
   end_with_best_guess(context, timer);
   return false;
 }

@@ -163,6 +163,21 @@ TEST(KeysWithinAStep, AreWarnedOf) {
   EXPECT_EQ(said("0.1 0.105 0.12 s"), "");
 }
 
+// What happens before the first step ends is not seen.
+TEST(KeysWithinAStep, AtTheStartAreWarnedOf) {
+  const auto said = [](const char* times) {
+    TextRun run(
+        "<SutureThread name='s' needle_length='0' thread_length='50 mm' thread_beams='5'/>"
+        "<ThreadLoad at='25 mm' force='1 0 0 mN' factors='1 0' times='" +
+            std::string(times) + "'/>",
+        "dt='10 ms'");
+    EXPECT_TRUE(run) << run.said();
+    return run.said();
+  };
+  EXPECT_NE(said("0 0.004 s").find("a key lies within the first step"), std::string::npos);
+  EXPECT_EQ(said("0 0.01 s"), "");
+}
+
 // Long beams carry momentum in their bending, which a cut must not lose.
 TEST(CutInFlight, KeepsMomentum) {
   TextRun run(

@@ -95,6 +95,23 @@ TEST(SolidQueries, SignedDistanceToACube) {
   EXPECT_FALSE(s.queries->closest_surface(Vec3(0.5, 0.5, 2), 0.9));
 }
 
+// Beside an edge the top and the side of a block are as near, and rounding must not decide between
+// them: the one that faces the way that is asked for is found, however the block stands.
+TEST(SolidQueries, BesideAnEdgeTheTriangleThatFacesThatWayIsFound) {
+  Uniform uniform;
+  for (int k = 0; k < 200; ++k) {
+    MeshData turned = cube();
+    const Mat3 turn = Eigen::AngleAxisd(uniform(-3, 3).x(), uniform(-1, 1).normalized()).matrix();
+    for (Vec3& p : turned.points) p = turn * p;
+    Solid s(turned);
+    const Vec3 up = turn * Vec3::UnitZ();
+    const Vec3 beside = turn * Vec3(1 + 0.3 * uniform(0, 1).x(), uniform(0.1, 0.9).y(), 1);
+    const auto found = s.queries->closest_surface(beside, 1, up);
+    ASSERT_TRUE(found);
+    EXPECT_GT(s.queries->surface_normal(found->triangle).dot(up), 0.999) << k;
+  }
+}
+
 // Two cubes that touch, as the lips of a closed wound do: whoever says which side it means gets
 // that one, although the other is as near.
 TEST(SolidQueries, EachSideOfAClosedSlitIsFoundByItsNormal) {

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "attach.h"
 #include "layer.h"
 #include "solver_components.h"
 #include "sutura/plugin.h"
 #include "sutura/simulation.h"
+#include "tissue_load.h"
 #include "tissue_scene.h"
 
 namespace sutura::tissue {
@@ -210,6 +213,38 @@ TEST(Tissue, DoubtsWhatIsSeldomMeant) {
   EXPECT_FALSE(said("<Tissue poisson='0.3'/>" + held, "too stiffly"));
   TissueScene large("<TetMesh file='scenes/meshes/pad.msh' unit='m'/><Tissue/>" + held);
   EXPECT_NE(all_messages(large.diagnostics).find("the mesh is 50 m long"), std::string::npos);
+}
+
+// Pressure on a closed surface has a potential, p V, so its stiffness is symmetric: that of the
+// matrix is all of it. Forces are of second order in the positions, and central differences exact.
+TEST(TissueLoad, HasTheStiffnessOfItsPressure) {
+  TissueScene s(mesh +
+                    "<Tissue young='30 kPa'/><TissueLoad box='-1 -1 -1 3 3 3 cm' "
+                    "pressure='1 kPa'/>",
+                "0 0 0", "10 ms", [](Registry& r) { r.component<TissueLoad>("TissueLoad"); });
+  ASSERT_TRUE(s.diagnostics.ok()) << all_messages(s.diagnostics);
+  s.step();
+  TissueModel& model = s.tissue().model();
+  ASSERT_EQ(model.followers.size(), 1u);
+  FollowerLoad& load = *model.followers[0];
+  const VecX x = s.tissue().positions();
+  const Real step = 1e-4;  // m
+  std::mt19937 random(1);
+  std::uniform_real_distribution<Real> any(-1, 1);
+  for (int k = 0; k < 5; ++k) {
+    const VecX way = VecX::NullaryExpr(x.size(), [&] { return any(random); });
+    VecX change = VecX::Zero(x.size());
+    load.follow(x - step * way, change);
+    change.setZero();
+    load.follow(x + step * way, change);
+    NodeMatrix K(model.dofs() / 3, model.elastic->pairs());
+    K.set_zero();
+    load.add_stiffness(x, 1, K);
+    VecX by_stiffness(x.size());
+    K.multiply(way, by_stiffness);
+    EXPECT_LT((change / (2 * step) + by_stiffness).norm(), 1e-9 * by_stiffness.norm());
+    EXPECT_GT(by_stiffness.norm(), 0);
+  }
 }
 
 // The pad of the demo.
