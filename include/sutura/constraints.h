@@ -124,6 +124,9 @@ class ConstraintBuilder {
   /// Force of the first row of the block with this key in the pass before, or in the step before
   /// (N); 0 if there was none. For stiffnesses that grow with it.
   Real known_force(Key key) const;
+  /// Likewise its mode, or `otherwise` if there was none. For what ends where a block has given
+  /// way.
+  Mode known_mode(Key key, Mode otherwise) const;
   /// Adds directions (dim x 3) * J to the rows of the block: the block's delta grows by
   /// directions * displacement of the point. A block may couple a body more than once.
   /// The first coupling decides where and on whom the block's force is drawn.

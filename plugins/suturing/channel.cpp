@@ -148,12 +148,14 @@ const PathSample* Channel::find(std::uint64_t id) const {
   return i < passed_ ? &samples_[i] : nullptr;
 }
 
-void Channel::update(bool blocked) {
+void Channel::update(bool blocked, const Vec3& along) {
   got_out_ = false;
   find_abscissae();
-  retract(blocked);
+  retract(blocked, along);
   readvance();
-  if (tip_inside() && passed_ == samples_.size() && !blocked) record();
+  if (!tip_inside() || passed_ != samples_.size()) return;
+  const Vec3 from_end = tip() - tissue_.position(end_, Configuration::current);
+  if (!blocked || along.dot(from_end) > at_end * spacing_) record(blocked);
 }
 
 /// From the tip backwards: abscissae grow in the order in which the channel was entered, so each
@@ -179,15 +181,18 @@ void Channel::find_abscissae() {
 /// A tip that has just pierced stands before its mouth, by what the mesh is dented more under it
 /// than its footprint on average. The mouth holds it all the same, until it goes further back. So
 /// does what is behind a tip that a surface holds from the inside, by the mean of a footprint too:
-/// in a thin sheet that is pressed into a tent the mouth is ahead of it.
-void Channel::retract(bool blocked) {
+/// in a thin sheet that is pressed into a tent the mouth is ahead of it. What a tip has cut along
+/// that surface it leaves where it goes back along it.
+void Channel::retract(bool blocked, const Vec3& along) {
   const Vec3 tip_position = tip();
   const Vec3 forward = advance_direction();
   for (; passed_ > 0; --passed_) {
     const PathSample& last = samples_[passed_ - 1];
     const Vec3 at = tissue_.position(last.at, Configuration::current);
     ahead_ = last.abscissa > 0 ? 0 : std::max(forward.dot(at - tip_position), Real(0));
-    if (blocked) lead_ = std::max(lead_, ahead_);
+    const bool went_back =
+        last.kind == PathSample::Kind::inner && along.dot(at - tip_position) > at_end * spacing_;
+    if (blocked && !went_back) lead_ = std::max(lead_, ahead_);
     if (ahead_ <= lead_) return;
     ahead_ = lead_ = 0;
   }
@@ -209,10 +214,10 @@ void Channel::readvance() {
   }
 }
 
-void Channel::record() {
+void Channel::record(bool blocked) {
   const Real depth = tip_depth();
   if (depth <= end_depth_) return;
-  if (!tissue_.locate(tip(), Configuration::current)) {
+  if (!blocked && !tissue_.locate(tip(), Configuration::current)) {
     // The tip is outside without a puncture. Well clear of the surface the bite is over. Close to
     // it the tip may still be tenting: the footprint is held back on average, not every facet.
     const auto foot = tissue_.closest_surface(tip(), spacing_, Configuration::current);

@@ -85,11 +85,12 @@ class Channel {
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end
   /// of the thread, takes up remembered ones, and records the channel as far as the tip has come.
   /// `blocked`: a surface or layer holds the tip from the inside; what it has come further is the
-  /// motion of that front, not a channel.
-  void update(bool blocked);
+  /// motion of that front, not a channel, but for what the tip has gone `along` it (a unit vector,
+  /// or zero where there is no such way).
+  void update(bool blocked, const Vec3& along = Vec3::Zero());
   /// The channel grows as far as the tip has come: samples at their spacing along the needle, each
   /// fixed to the tissue that is there now, and the end at the tip itself.
-  void record();
+  void record(bool blocked = false);
   /// Whether the tip was found outside since the last update although no surface has let it out.
   bool got_out() const { return got_out_; }
   void archive(Archive& archive);
@@ -98,7 +99,7 @@ class Channel {
   /// Index of the sample with this id, or the number of samples.
   std::size_t index_of(std::uint64_t id) const;
   void find_abscissae();
-  void retract(bool blocked);
+  void retract(bool blocked, const Vec3& along);
   void readvance();
   std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
   std::string fill_bite(Real exit);

@@ -2,11 +2,12 @@
 //
 //   lambda = clamp(-d / w, 0, fc)
 //
-// One row along the shaft: delta (m) = recorded end of the path minus the tip, positive while the
-// tip is behind the end; lambda (N) pushes the tip back. Behind the end: no force (re-insertion
-// along an old path is free). At the end: as much as it takes, up to fc. Beyond (delta < 0, lambda
-// = fc): the tip cuts, and the source moves the end by -delta in commit. The law needs no event: a
-// cut is recorded after the step, from the converged delta. Source: as of puncture_law.h, 4.3.
+// One row along the shaft, or along the surface that holds the tip from inside: delta (m) =
+// recorded end of the path minus the tip, positive while the tip is behind the end; lambda (N)
+// pushes the tip back. Behind the end: no force (re-insertion along an old path is free). At the
+// end: as much as it takes, up to fc. Beyond (delta < 0, lambda = fc): the tip cuts, and the source
+// moves the end by -delta in commit. The law needs no event: a cut is recorded after the step, from
+// the converged delta. Source: as of puncture_law.h, 4.3.
 #pragma once
 
 #include <algorithm>

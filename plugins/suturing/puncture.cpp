@@ -115,12 +115,13 @@ void Puncture::detect(const StepContext& context) {
     const Real to_go = touched_.normal.dot(tip - touched_.position);
     blocked_ = inside && front_ != Front::none && to_go < arrived * reach_;
   }
-  path_->set_tip_blocked(blocked_);
   const bool meets = front_ == Front::none && context.pass > 0 && meet_on_the_way();
   if (meets) lay_footprint();
   if (meets || context.pass == 0) find_far_side();
   if (front_ != Front::none && front_ != Front::overrun) follow(front_, footprint_, touched_);
   if (far_side_.is_near) follow(Front::exit, far_side_.footprint, far_side_.touched);
+  path_->set_tip_blocked({});
+  if (blocked_) path_->set_tip_blocked(SuturePath::Block{touched_.normal, key_of(front_, count_)});
 }
 
 void Puncture::lay_footprint() {
@@ -175,6 +176,12 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
         add_block(builder, Front::exit, far_side_.footprint, far_side_.touched, count_ + 1);
 }
 
+/// Every front has a key of its own, so that it does not begin in the mode of the one before.
+Key Puncture::key_of(Front front, Index count) const {
+  const auto number = static_cast<std::uint64_t>(8 * count) + static_cast<std::uint64_t>(front);
+  return make_key(source_id_, number);
+}
+
 BlockId Puncture::add_block(ConstraintBuilder& builder, Front front, const Footprint& footprint,
                             const SurfacePoint& touched, Index count) const {
   const CurveBody& thread = path_->thread();
@@ -195,10 +202,8 @@ BlockId Puncture::add_block(ConstraintBuilder& builder, Front front, const Footp
   params.compliance = front == Front::entry ? footprint.compliance() : 0;
 
   const Vec3 gap = tip - touched.position;
-  // Every front has a key of its own, so that it does not begin in the mode of the one before.
-  const auto number = static_cast<std::uint64_t>(8 * count) + static_cast<std::uint64_t>(front);
   const BlockId block =
-      builder.add<PunctureLaw>(make_key(source_id_, number), params, BlockVector<3>(gap),
+      builder.add<PunctureLaw>(key_of(front, count), params, BlockVector<3>(gap),
                                PunctureLaw::pressing, {.force = params.puncture_force});
   const Directions world = Mat3::Identity();
   PointJacobian J;

@@ -52,6 +52,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   void follow(Front front, const Footprint& footprint, SurfacePoint& touched) const;
   BlockId add_block(ConstraintBuilder& builder, Front front, const Footprint& footprint,
                     const SurfacePoint& touched, Index count) const;
+  Key key_of(Front front, Index count) const;
   Real threshold_at(Front front, const SurfacePoint& touched) const;
 
   Link<SuturePath> path_;

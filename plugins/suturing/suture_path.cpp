@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "puncture_law.h"
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/scene.h"
@@ -17,6 +18,9 @@ constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes ne
 constexpr Real too_close = 0.3;  // to the tip: rows that would repeat those of the end
 constexpr Real shortest = 0.1;   // length that a sample stands for at least, so that its wall is
                                  // never softer than ten times the others
+
+// Sine of the angle from which on a needle points straight at a surface: its tip has no way along.
+constexpr Real straight_at = 1e-3;
 
 }  // namespace
 
@@ -138,7 +142,7 @@ Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real befor
 }
 
 void SuturePath::detect(const StepContext&) {
-  tip_blocked_ = false;
+  blocked_by_.reset();
   const Channel& channel = *channel_;
   sample_crossings_ = channel.passed();
   crossings_.resize(sample_crossings_);
@@ -168,10 +172,20 @@ Real SuturePath::share_of_end() const {
   return is_at_tip(beside) ? beside.share.high : channel_->samples()[beside.sample].abscissa / 2;
 }
 
+Vec3 SuturePath::way_along_block(const ConstraintBuilder& builder) const {
+  if (!blocked_by_) return Vec3::Zero();
+  if (builder.known_mode(blocked_by_->key, PunctureLaw::pressing) == PunctureLaw::penetrated)
+    return Vec3::Zero();
+  const Vec3 forward = -thread_->tangent(0, Configuration::current), &n = blocked_by_->normal;
+  const Vec3 along = forward - forward.dot(n) * n;
+  return along.norm() > straight_at ? along.normalized() : Vec3::Zero();
+}
+
 void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
+  way_along_ = way_along_block(builder);
   const Real strength = strength_ > 0 ? strength_ : std::numeric_limits<Real>::infinity();
-  const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked_;
+  const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked();
   const Real end_share = hold_end ? share_of_end() : 0;
   for (std::size_t i = 0; i < crossings_.size(); ++i) {
     const Crossing& c = crossings_[i];
@@ -212,10 +226,24 @@ void SuturePath::inside(std::vector<Stretch>& out) const {
   }
 }
 
-/// A thread that is further from its channel than a needle is thick is not in it any more.
+/// A thread that is further from its channel than a needle is thick is not in it any more. Nor is a
+/// tip that a surface holds from the inside, if it is as far along that surface from the end.
 std::string SuturePath::fault() const {
   const Real far = 2 * std::max(thread_->radius(0), thread_->radius(thread_->length()));
-  return lateral_gap_ > far ? "the thread has left its channel" : "";
+  if (lateral_gap_ > far) return "the thread has left its channel";
+  if (!(stray_ > far)) return {};
+  return "the tip, held by a surface from the inside, has gone along it without cutting its way";
+}
+
+/// How far the tip is from the end of its channel, along what holds it; on the way back from there
+/// it is in its channel (m).
+Real SuturePath::stray() const {
+  if (!tip_blocked() || way_along_.isZero(0) || !channel_->tip_inside()) return 0;
+  constexpr Configuration now = Configuration::current;
+  const Vec3& n = blocked_by_->normal;
+  const Vec3 apart = thread_->point(0, now) - tissue_->position(channel_->end(), now);
+  const Vec3 flat = apart - apart.dot(n) * n;
+  return (flat - std::min(flat.dot(way_along_), Real(0)) * way_along_).norm();
 }
 
 /// Where the wall is at its limit, the channel goes along with the thread.
@@ -246,7 +274,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
     }
   }
   if (strength_ > 0) cut(solved);
-  channel_->update(tip_blocked_);
+  channel_->update(tip_blocked(), way_along_);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];
@@ -254,6 +282,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
                      tissue_->position(s.at, Configuration::current);
     lateral_gap_ = std::max(lateral_gap_, gap.norm());
   }
+  stray_ = stray();
   sample_crossings_ = 0;  // of the step that is over
 }
 

@@ -53,9 +53,16 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   /// One per sample on the thread, in the order of passage; none before this step's `detect`.
   std::span<const Crossing> crossings() const { return {crossings_.data(), sample_crossings_}; }
   Real spacing() const { return spacing_; }
-  /// A surface holds the tip from the inside: nothing is left to cut, the puncture law decides.
-  void set_tip_blocked(bool blocked) { tip_blocked_ = blocked; }
-  bool tip_blocked() const { return tip_blocked_; }
+  /// What holds the tip from the inside: a surface or a layer. Through it the puncture law decides.
+  struct Block {
+    Vec3 normal;  ///< unit, on the side where the tip is
+    Key key;      ///< of the rows that hold it
+  };
+  void set_tip_blocked(const std::optional<Block>& by) { blocked_by_ = by; }
+  bool tip_blocked() const { return blocked_by_.has_value(); }
+  /// The unit vector along what holds the tip in which the needle leads it there: that way lies
+  /// tissue that is to be cut. Zero where it leads straight at it, or has gone through.
+  Vec3 way_along_block(const ConstraintBuilder& builder) const;
 
  private:
   /// `before`: the abscissa at the start of the step; `low`: that of the sample nearer to the tip.
@@ -81,12 +88,15 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   void sew(Setup& setup);
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
+  Real stray() const;
   void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;
-  bool tip_blocked_ = false;
-  Real lateral_force_ = 0;  ///< largest over the samples (N)
-  Real lateral_gap_ = 0;    ///< largest distance thread - channel (m)
-  Real cut_ = 0;            ///< area that the thread has cut through (m^2)
+  std::optional<Block> blocked_by_;
+  Vec3 way_along_ = Vec3::Zero();  ///< way_along_block at the last guess
+  Real lateral_force_ = 0;         ///< largest over the samples (N)
+  Real lateral_gap_ = 0;           ///< largest distance thread - channel (m)
+  Real stray_ = 0;  ///< of a blocked tip from the end of its channel, in the last step (m)
+  Real cut_ = 0;    ///< area that the thread has cut through (m^2)
 };
 
 }  // namespace sutura::suturing

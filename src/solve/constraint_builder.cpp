@@ -48,6 +48,12 @@ Real ConstraintBuilder::known_force(Key key) const {
   return known != nullptr ? memory.lambda[static_cast<std::size_t>(known->first)] : Real(0);
 }
 
+Mode ConstraintBuilder::known_mode(Key key, Mode otherwise) const {
+  const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
+  const Known* known = memory.find(key);
+  return known != nullptr ? known->mode : otherwise;
+}
+
 void ConstraintBuilder::mark_redundant(BlockId block) {
   assert(block.valid());
   problem_.blocks[static_cast<std::size_t>(block.index)].redundant = true;

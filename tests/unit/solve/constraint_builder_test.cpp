@@ -154,6 +154,7 @@ TEST_F(Fixture, ForceAndModeAreKept) {
     builder.finish();
   };
   build(Warm::step_before);
+  EXPECT_EQ(builder.known_mode({8}, Mode(5)), 5);
   EXPECT_TRUE(problem.lambda.isZero(0));
   problem.lambda << 1, 2, 3, 4, 5, 6;
   problem.blocks[0].mode = 1;
@@ -164,6 +165,7 @@ TEST_F(Fixture, ForceAndModeAreKept) {
   EXPECT_EQ(problem.lambda, first);
   EXPECT_EQ(problem.blocks[0].mode, 1);
   EXPECT_EQ(problem.blocks[1].mode, 2);
+  EXPECT_EQ(builder.known_mode({8}, Mode(5)), 2);
   // What a source measures is the gap, and so far all there is of delta and d_free.
   EXPECT_EQ(problem.gap, (VecX(6) << 1e-3, 2e-3, 3, 1e-3, 2e-3, 8).finished());
   EXPECT_EQ(problem.d_free, problem.gap);

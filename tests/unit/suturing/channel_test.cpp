@@ -162,6 +162,29 @@ TEST_F(ChannelTest, ATipWellOutHasLeftWithoutAPuncture) {
   EXPECT_FALSE(channel.tip_inside());
 }
 
+/// The motion of a tent is no channel; what the tip goes along the surface that holds it is one.
+TEST_F(ChannelTest, ABlockedTipRecordsItsWayAlongTheSurface) {
+  needle.now_ = 0.1 * mm;
+  channel.enter(top());
+  move_to(2.1 * mm);
+  ASSERT_EQ(channel.passed(), 3u);
+  needle.now_ = 4.3 * mm;
+  channel.update(true);
+  EXPECT_EQ(channel.passed(), 3u);
+  EXPECT_NEAR(channel.end_depth(), 2.1 * mm, 1e-15);
+  channel.update(true, Vec3::UnitX());  // nothing of its motion was along that
+  EXPECT_EQ(channel.passed(), 3u);
+  const Vec3 along = Vec3(1, 0, -3).normalized();
+  channel.update(true, along);
+  EXPECT_EQ(channel.passed(), 5u);
+  EXPECT_NEAR(channel.end_depth(), 4.3 * mm, 1e-15);
+  // Back along the surface it leaves what it has cut there.
+  needle.now_ = 3.5 * mm;
+  channel.update(true, along);
+  EXPECT_EQ(channel.passed(), 4u);
+  EXPECT_FALSE(channel.tip_at_end());
+}
+
 TEST_F(ChannelTest, PullingTheTipBackThroughTheExitIsInsideAgain) {
   needle.now_ = 0.1 * mm;
   channel.enter(top());
