@@ -217,6 +217,9 @@ class ConstraintSource {
   /// Why the result of the last step cannot be trusted, although the step is solved; empty if it
   /// can.
   virtual std::string fault() const { return {}; }
+  /// Of what the last `detect` has looked at: false where something turns so far in the step that a
+  /// straight way says too little of where it goes. Such a step is too long, and is divided.
+  virtual bool knows_way() const { return true; }
 };
 
 struct SolveReport {

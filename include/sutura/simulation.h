@@ -204,6 +204,7 @@ class Simulation {
   void solve();
   bool measure(const StepContext& context);
   bool is_short_enough(const StepContext& context);
+  bool knows_ways();
   bool leave_saddles();
   bool goes_on_as_before(const StepContext& context);
   Index least_passes() const;

@@ -22,6 +22,11 @@ class Tool {
   /// At the end of the next step, and of those after it, the tool is here. From now on its key
   /// frames count no more. `pose` is finite, its rotation a unit quaternion.
   virtual void move_to(const Pose& pose) = 0;
+  /// Like `pose`, but half way through that step.
+  virtual Pose half_way() const {
+    const Pose from = start_pose(), to = pose();
+    return {(from.position + to.position) / 2, from.rotation.slerp(Real(1) / 2, to.rotation)};
+  }
 };
 
 /// Jaws that hold a section of a curve and carry it along with a tool.

@@ -23,6 +23,8 @@ class Boundary {
                       Index triangle, const Vec3& weights, const Vec3& at) const = 0;
   /// Goes where it is told, whatever pushes it.
   virtual bool is_rigid() const { return false; }
+  /// Whose surface it is, or null.
+  virtual const RigidTool* tool() const { return nullptr; }
   /// After the step: a force on it.
   virtual void tell_force(const Vec3& /*force*/, const Vec3& /*at*/) const {}
 };
@@ -50,6 +52,7 @@ class ToolBoundary : public Boundary {
   void couple(ConstraintBuilder&, BlockId, const Directions&, Index, const Vec3&,
               const Vec3&) const override {}
   bool is_rigid() const override { return true; }
+  const RigidTool* tool() const override { return &tool_; }
   void tell_force(const Vec3& force, const Vec3& at) const override { tool_.add_force(force, at); }
 
  private:

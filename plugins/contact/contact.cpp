@@ -241,11 +241,15 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
   }
   memory_.remember(touches_, *pair_);
   went_through_ = pair_->free_way() < 1;
+  turns_too_far_ = !pair_->knows_way();
   unseen_overlap_ = pair_->unseen_overlap();
 }
 
 std::string Contact::fault() const {
   if (went_through_) return "the step leads the two through each other; take a shorter one";
+  if (turns_too_far_)
+    return "one of the two turns so far in the step that it may have gone through the other; take "
+           "a shorter one";
   if (left_overlap_ > 0)
     return "strands overlap by " + format_real(left_overlap_) +
            " m since a step that was not solved; the next steps take it back";

@@ -24,6 +24,7 @@ class Contact : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   Real free_way() const override { return pair_->free_way(); }
+  bool knows_way() const override { return pair_->knows_way(); }
   std::string fault() const override;
 
   /// Of a thread with itself; null otherwise.
@@ -54,6 +55,7 @@ class Contact : public Component, public ConstraintSource {
   Index closed_ = 0;
   Real largest_force_ = 0;
   bool went_through_ = false;
+  bool turns_too_far_ = false;
   Real unseen_overlap_ = 0;  ///< m
   Real left_overlap_ = 0;    ///< that the step did not have to take back (m)
 };

@@ -4,16 +4,18 @@
 #include <limits>
 #include <numbers>
 
+#include "bulge.h"
 #include "common_turn.h"
 
 namespace sutura::contact {
 namespace {
 
 // In units of the sum of the two radii.
-constexpr Real margin = 0.5;        // a touch is built from this far, before there is one
-constexpr Real node_margin = 0.25;  // and at nodes of strands that run along each other
-constexpr Real clearance = 0.5;     // centrelines may come as near to each other on their ways
-constexpr Real dip = 0.05;          // what strands may be nearer than at the touches beside
+constexpr Real margin = 0.5;         // a touch is built from this far, before there is one
+constexpr Real node_margin = 0.25;   // and at nodes of strands that run along each other
+constexpr Real clearance = 0.5;      // centrelines may come as near to each other on their ways
+constexpr Real arc = clearance / 2;  // so far off its straight way none gets through
+constexpr Real dip = 0.05;           // what strands may be nearer than at the touches beside
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 constexpr Real doubles = 0.05;  // touches closer than this on both are one
@@ -130,14 +132,27 @@ void CurveCurve::each_pair(std::size_t i, std::size_t j, Real near, const Meet& 
 
 void CurveCurve::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
-  free_way_ = 1;
+  begin_look();
   Real widest = 0;
   for (const CurveSegment& s : a_.now) widest = std::max(widest, s.radius);
   for (const CurveSegment& s : b().now) widest = std::max(widest, s.radius);
   const std::size_t from = out.size();
-  each_pair(1, 1, 2 * margin * widest,
+  each_pair(1, 1, 2 * margin * widest + needle_arc(),
             [&](std::size_t i, std::size_t j) { meet(i, j, before, out); });
   drop_doubles(out, from);
+}
+
+/// No needle is further from its straight way, seen from what rests (m).
+Real CurveCurve::needle_arc() const {
+  Real most = 0;
+  const auto look_at = [&](const MovingCurve& curve, const CurveBody& of) {
+    for (std::size_t i = 0; i < curve.size() && curve.now[i].from < of.needle_length(); ++i)
+      most = std::max(
+          most, arc_height(curve.motion(i), turn_of_needle(of, curve.start[i], curve.now[i])));
+  };
+  look_at(a_, first_);
+  if (!is_self_) look_at(b_, second_);
+  return most;
 }
 
 bool CurveCurve::is_lowest(Real u, Real slope, const MovingCurve& curve, std::size_t segment) {
@@ -176,6 +191,14 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
       free_way_ = std::min(free_way_, way);
       if (way < 1) return;
     }
+  }
+  const Real turn = turn_of_needle(first_, a0, a) + turn_of_needle(second_, c0, c);
+  const Real aside = turn > 0 ? arc_height(motion, turn) : 0;
+  if (knows_way_ && aside > arc * R) {
+    const auto distance = [&](Real t) {
+      return closest_on(a_.at(i, t), b().at(j, t), R + aside).distance - aside;
+    };
+    if (way_through(motion, clearance * R, distance) < 1) knows_way_ = false;
   }
   if (end.distance > (1 + margin) * R) return;
 

@@ -38,6 +38,7 @@ class CurveCurve : public Pair {
   Touch touch_at(std::size_t i, std::size_t j, const ClosestPair& at) const;
   /// Is the point of a pair that is closest on its segment also so on the curve around?
   static bool is_lowest(Real u, Real slope, const MovingCurve& curve, std::size_t segment);
+  Real needle_arc() const;
   static void drop_doubles(std::vector<Touch>& touches, std::size_t from);
 
   const SegmentedCurve &first_, &second_;

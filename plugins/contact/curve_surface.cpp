@@ -8,12 +8,13 @@ namespace sutura::contact {
 namespace {
 
 // In units of the radius of the curve.
-constexpr Real margin = 1;       // a touch is built from this far, before there is one
-constexpr Real clearance = 0.5;  // a centreline may come as near to the surface on its way
-constexpr Real dip = 1e-4;       // what a curve may be nearer than at its touches beside
-constexpr Real mouth = 3;        // around the mouth of a channel, the channel holds the curve
-constexpr Real clear = 0.75;     // of the surface: as much may overlap where a touch begins
-constexpr Real point = 6;        // so long is a needle's point, which presses by a law of its own
+constexpr Real margin = 1;           // a touch is built from this far, before there is one
+constexpr Real clearance = 0.5;      // a centreline may come as near to the surface on its way
+constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
+constexpr Real dip = 1e-4;           // what a curve may be nearer than at its touches beside
+constexpr Real mouth = 3;            // around the mouth of a channel, the channel holds the curve
+constexpr Real clear = 0.75;         // of the surface: as much may overlap where a touch begins
+constexpr Real point = 6;  // so long is a needle's point, which presses by a law of its own
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
@@ -28,6 +29,7 @@ void CurveSurface::look(bool standing) {
   if (standing) seen_.start = seen_.now;
   start_is_known_ = !standing;
   surface_.look(standing);
+  if (const RigidTool* tool = surface_.boundary()->tool()) way_.look(*tool);
   inside_.clear();
   if (passage_ != nullptr) passage_->inside(inside_);
   for (Passage::Stretch& s : inside_) {
@@ -68,6 +70,29 @@ bool CurveSurface::is_inside(Real low, Real high) const {
   return false;
 }
 
+/// How far a segment may be from its straight way seen from the surface (m).
+Real CurveSurface::bulge(std::size_t i) const {
+  const CurveSegment &is = seen_.now[i], &was = seen_.start[i];
+  const RigidTool* tool = surface_.boundary()->tool();
+  if (tool == nullptr) return arc_height(seen_.motion(i), turn_of_needle(curve_, was, is));
+  return way_.bulge(curve_, seen_from(tool->placed(Configuration::start), was),
+                    seen_from(tool->placed(Configuration::current), is));
+}
+
+/// May something that turns have gone through, and its straight way beside?
+void CurveSurface::doubt(std::size_t i, const Box& box, Real own_motion, const Vec3& common) {
+  const Real r = seen_.now[i].radius;
+  const Real more = bulge(i);
+  if (!(more > arc * r)) return;
+  surface_.near(box.grown(clearance * r + more), [&](Index t) {
+    const Real motion = own_motion + surface_.motion(t, common);
+    const auto distance = [&](Real now) {
+      return closest(seen_.at(i, now), t, surface_.at(t, now)).distance - more;
+    };
+    if (knows_way_ && way_through(motion, clearance * r, distance) < 1) knows_way_ = false;
+  });
+}
+
 CurveSurface::Near CurveSurface::closest(const CurveSegment& s, Index t, const Corners& at) const {
   Near best;
   best.distance = std::numeric_limits<Real>::infinity();
@@ -106,7 +131,7 @@ CurveSurface::Near CurveSurface::closest_to(const CurveSegment& s, Real u, Index
 
 void CurveSurface::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   look(false);
-  free_way_ = 1;
+  begin_look();
   for (std::size_t i = 0; i < seen_.size(); ++i) meet(i, before, out);
 }
 
@@ -116,14 +141,15 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   if (s.cut || is_inside(s.from, s.to)) return;
   Box box;
   MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
+  const Vec3 common = s.xa - s0.xa;
+  const Real own_motion = seen_.motion(i, common);
+  doubt(i, box, own_motion, common);
   around_.clear();
   surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
   if (around_.empty()) return;
   std::sort(around_.begin(), around_.end());  // so that no result hangs on the search
 
   // Does the way lead through?
-  const Vec3 common = s.xa - s0.xa;
-  const Real own_motion = seen_.motion(i, common);
   Real free = 1;
   Near met;
   for (const Index t : around_) {

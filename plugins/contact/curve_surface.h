@@ -1,6 +1,7 @@
 // Touches of a curve and a surface, of a solid outside of the channels that the curve has made.
 #pragma once
 
+#include "bulge.h"
 #include "moving_curve.h"
 #include "moving_surface.h"
 #include "sutura/passage.h"
@@ -35,6 +36,8 @@ class CurveSurface : public Pair {
   };
   void look(bool standing);
   void hand_over(Passage::Stretch& stretch);
+  Real bulge(std::size_t segment) const;
+  void doubt(std::size_t segment, const Box& box, Real motion, const Vec3& common);
   bool is_inside(Real low, Real high) const;
   void meet(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
   Near closest(const CurveSegment& s, Index triangle, const Corners& at) const;
@@ -45,6 +48,7 @@ class CurveSurface : public Pair {
 
   const SegmentedCurve& curve_;
   MovingSurface surface_;
+  ToolWay way_;  ///< of a tool
   const Passage* passage_;
   MovingCurve seen_;
   std::vector<Passage::Stretch> inside_;

@@ -8,21 +8,14 @@ namespace sutura::contact {
 namespace {
 
 // In units of the radius of the curve.
-constexpr Real margin = 1;       // a touch is built from this far, before there is one
-constexpr Real clearance = 0.5;  // a centreline may come as near to a surface on its way
-constexpr Real dip = 0.05;       // what a curve may be nearer than at its touches beside
+constexpr Real margin = 1;           // a touch is built from this far, before there is one
+constexpr Real clearance = 0.5;      // a centreline may come as near to a surface on its way
+constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
+constexpr Real dip = 0.05;           // what a curve may be nearer than at its touches beside
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int parts = 8;  // in which a segment is looked at
-
-CurveSegment seen_from(const Pose& frame, const CurveSegment& s) {
-  const Quat back = frame.rotation.conjugate();
-  CurveSegment out = s;
-  out.xa = back * (s.xa - frame.position), out.xb = back * (s.xb - frame.position);
-  out.ma = back * s.ma, out.mb = back * s.mb;
-  return out;
-}
 
 /// A convex shape lies behind the plane of its surface that faces `p`: does the way from p to q
 /// stay before that plane by `clearance`?
@@ -35,6 +28,7 @@ bool stays_off(const ShapeDistance& at_p, const Vec3& p, const Vec3& q, Real cle
 void CurveTool::look() {
   seen_.look(curve_, start_is_known_);
   const Pose now = tool_.placed(Configuration::current);
+  way_.look(tool_);
   for (CurveSegment& s : seen_.now) s = seen_from(now, s);
   if (!start_is_known_) look_at_start();
   start_is_known_ = true;
@@ -63,7 +57,7 @@ std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
 
 void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
-  free_way_ = 1;
+  begin_look();
   for (std::size_t node = 0; node <= seen_.size(); ++node) find_at_node(node, out);
   for (std::size_t i = 0; i < seen_.size(); ++i) find_inside(i, before, out);
 }
@@ -99,31 +93,39 @@ void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
   out.push_back(touch_at(i, u, tool_.shape().facet(p)));
 }
 
-bool CurveTool::is_far(std::size_t i) const {
-  return start_room_[i] - seen_.motion(i) > (1 + margin) * seen_.start[i].radius;
+bool CurveTool::is_far(std::size_t i, Real aside) const {
+  return start_room_[i] - seen_.motion(i) - aside > (1 + margin) * seen_.start[i].radius;
+}
+
+Real CurveTool::way_of(std::size_t i, Real more, Lowest& at) const {
+  const Real radius = seen_.now[i].radius, near = clearance * radius + more;
+  const auto is_free = [&](const CurveSegment& seen) {
+    const Vec3 p = seen.point(lowest(seen, radius + more).u);
+    const ShapeDistance here = tool_.shape().at(p);
+    const Real height = lowest_on_the_way(seen_.start[i], seen_.now[i], here.normal);
+    return height - here.normal.dot(p) + here.distance >= near;
+  };
+  if (is_free(seen_.start[i]) || is_free(seen_.now[i])) return 1;
+  return way_through(seen_.motion(i), clearance * radius, [&](Real time) {
+    at = lowest(seen_.at(i, time), radius + more);
+    return at.distance - more;
+  });
 }
 
 /// Between nodes, where the curve dips towards the tool: over an edge, round a bend.
 void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
-  if (seen_.now[i].cut || is_far(i)) return;
+  if (seen_.now[i].cut) return;
+  const Real aside = way_.bulge(curve_, seen_.start[i], seen_.now[i]);
+  if (is_far(i, aside)) return;
   const Real radius = seen_.now[i].radius;
-  const auto is_free = [&](const CurveSegment& seen) {
-    const Vec3 p = seen.point(lowest(seen, radius).u);
-    const ShapeDistance here = tool_.shape().at(p);
-    const Real height = lowest_on_the_way(seen_.start[i], seen_.now[i], here.normal);
-    return height - here.normal.dot(p) + here.distance >= clearance * radius;
-  };
   Lowest at;
-  const bool free = is_free(seen_.start[i]) || is_free(seen_.now[i]);
-  const Real way = free ? 1 : way_through(seen_.motion(i), clearance * radius, [&](Real time) {
-    at = lowest(seen_.at(i, time), radius);
-    return at.distance;
-  });
+  const Real way = way_of(i, 0, at);
   if (way < 1) {
     // The nodes have their own ways.
     if (at.u > 0 && at.u < 1) bar(i, at.u, way, out);
     return;
   }
+  if (aside > arc * radius && way_of(i, aside, at) < 1) knows_way_ = false;
   const CurveSegment& s = seen_.now[i];
   std::array<Real, parts + 1> d;
   for (int k = 0; k <= parts; ++k) d[k] = from_tool(s, Real(k) / parts).distance;

@@ -1,6 +1,7 @@
 // Touches of a curve and a rigid tool.
 #pragma once
 
+#include "bulge.h"
 #include "moving_curve.h"
 #include "tool_pair.h"
 
@@ -38,10 +39,15 @@ class CurveTool : public ToolPair {
   /// The way is free up to a time, from which on `p` of the segment there would be too near.
   void bar(std::size_t segment, Real u, Real way, std::vector<Touch>& out);
   Touch touch_at(std::size_t segment, Real u, const Facet& on) const;
-  bool is_far(std::size_t segment) const;
+  /// All along its way, which may lead so far beside the straight one (m)?
+  bool is_far(std::size_t segment, Real aside) const;
+  /// Part of its way on which no point of the segment is nearer than its clearance and `more` (m);
+  /// and where on the segment one then is.
+  Real way_of(std::size_t segment, Real more, Lowest& at) const;
 
   const SegmentedCurve& curve_;
   MovingCurve seen_;  ///< from the shape
+  ToolWay way_;
   // At the start of the step, from the shape:
   std::vector<ShapeDistance> start_at_node_;
   std::vector<Real> start_room_;  ///< no point of a segment is nearer (m)

@@ -21,6 +21,14 @@ inline CurveSegment on_the_way(const CurveSegment& a, const CurveSegment& b, Rea
   return s;
 }
 
+inline CurveSegment seen_from(const Pose& frame, const CurveSegment& s) {
+  const Quat back = frame.rotation.conjugate();
+  CurveSegment out = s;
+  out.xa = back * (s.xa - frame.position), out.xb = back * (s.xb - frame.position);
+  out.ma = back * s.ma, out.mb = back * s.mb;
+  return out;
+}
+
 struct MovingCurve {
   std::vector<CurveSegment> start, now;
 

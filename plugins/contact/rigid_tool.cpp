@@ -138,8 +138,15 @@ Pose RigidTool::placed(Configuration c) const {
 }
 
 Pose RigidTool::placed_without_spin(Configuration c) const {
-  Pose out = placed(c);
-  if (c == Configuration::current || mesh_ || shape_.kind == Shape::Kind::box) return out;
+  return c == Configuration::current ? placed(c) : without_spin(placed(c));
+}
+
+Pose RigidTool::placed_half_way() const {
+  return motion_ ? without_spin(compose(motion_->half_way(), as_modelled_)) : as_modelled_;
+}
+
+Pose RigidTool::without_spin(Pose out) const {
+  if (mesh_ || shape_.kind == Shape::Kind::box) return out;
   const Quat now = placed(Configuration::current).rotation;
   if (shape_.kind == Shape::Kind::sphere) {
     out.rotation = now;

@@ -30,6 +30,8 @@ class RigidTool : public Component, public Driver, public Drawing {
   /// since: that moves nothing out of its way. Seen from there and from here, what rests beside a
   /// drum has not gone through it however far the drum has turned.
   Pose placed_without_spin(Configuration c) const;
+  /// Half way through the step; likewise without spin.
+  Pose placed_half_way() const;
   /// Displacement over the step of a point of the shape, seen from it (m).
   Vec3 moved(const Vec3& local) const;
   /// Of a contact, on the tool, over the step.
@@ -46,6 +48,8 @@ class RigidTool : public Component, public Driver, public Drawing {
   };  ///< those of Shape, and one more
   enum class Unit { m, cm, mm };
   void read_mesh(Setup& setup);
+  /// `then`, without what a shape of revolution spins from there to now.
+  Pose without_spin(Pose then) const;
 
   Link<Tool> motion_;
   Kind kind_ = Kind::plane;

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "moving_curve.h"
+#include "sutura/geometry/poses.h"
+
 namespace sutura::contact {
 namespace {
 
@@ -11,12 +14,24 @@ namespace {
 constexpr Real depth = 0.5;      // a node that has come through is found so far behind a triangle
 constexpr Real margin = 0.25;    // a touch is built from this far, before there is one
 constexpr Real beside = 0.1;     // a node may stand so far beside a triangle
+constexpr Real arc = 0.125;      // as little a rim may cut off unseen beside a straight way
 constexpr Real seen = 0.1;       // deeper than this no overlap is left without a fault
 constexpr Real rounding = 1e-3;  // as far behind a triangle a node counts as being on it
 // Nor deeper than this part of the way through: there the other side is nearer.
 constexpr Real half_way = 0.5;
 // Cosine between the normal of a triangle and that of a node that faces it, at most.
 constexpr Real facing = -0.2;
+
+/// Of two triangles (m).
+Real distance_between(const Corners& a, const Corners& b) {
+  Real least = std::numeric_limits<Real>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = (k + 1) % 3;
+    least = std::min({least, closest_points(Segment{a[k], a[next]}, b).squared_distance,
+                      closest_points(Segment{b[k], b[next]}, a).squared_distance});
+  }
+  return std::sqrt(least);
+}
 
 /// Is any node of a triangle?
 bool is_touched(const std::vector<char>& touched, const std::array<Index, 3>& nodes) {
@@ -49,7 +64,7 @@ Real SurfaceSurface::deepest(const MovingSurface& faces, Index triangle) const {
 }
 
 void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
-  free_way_ = 1;
+  begin_look();
   first_.look();
   add_normals(first_, normals_first_);
   if (!is_self_) {
@@ -67,6 +82,34 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
   if (!is_self_) meet(true, reach, out);
   drop_doubles(out);
   meet_edges(reach, out);
+  if (free_way_ == 1) doubt();
+}
+
+/// May a tool that turns have gone through, and its straight way beside?
+void SurfaceSurface::doubt() {
+  const RigidTool* tool = second().boundary()->tool();
+  if (tool == nullptr) return;
+  way_.look(*tool);
+  const Pose start = tool->placed(Configuration::start), end = tool->placed(Configuration::current);
+  for (Index t = 0; t < first_.triangles() && knows_way_; ++t) {
+    Corners from = first_.at(t, 0), to = first_.now(t);
+    Box box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.add(from[k]), box.add(to[k]);
+      from[k] = seen_from(start, from[k]), to[k] = seen_from(end, to[k]);
+    }
+    const Real more = way_.bulge(from, to);
+    if (!(more > arc * edge_length())) continue;
+    const Vec3 common = first_.moved(first_.nodes(t)[0]);
+    second().near(box.grown(more), [&](Index other) {
+      const Real motion = first_.motion(t, common) + second().motion(other, common);
+      const auto room = [&](Real time) {
+        return distance_between(first_.at(t, time), second().at(other, time)) - more;
+      };
+      const Real near = rounding * edge_length();
+      if (knows_way_ && way_through(motion, near, room) < 1) knows_way_ = false;
+    });
+  }
 }
 
 void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "bulge.h"
 #include "moving_surface.h"
 #include "surface_edges.h"
 #include "touch.h"
@@ -73,6 +74,7 @@ class SurfaceSurface : public Pair {
   void meet_edges(Real reach, std::vector<Touch>& out);
   void meet_edges(Index i, const SurfaceEdges::Edge& e, Index j, const SurfaceEdges::Edge& f,
                   Real reach, std::vector<Touch>& out);
+  void doubt();
   void drop_doubles(std::vector<Touch>& out);
   /// How far edges of one stick through triangles of the other.
   Real edges_through(const MovingSurface& edges, const MovingSurface& faces) const;
@@ -89,6 +91,7 @@ class SurfaceSurface : public Pair {
   Near nearest() const;
   std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
+  ToolWay way_;  ///< of the second, if it is a tool
   bool is_self_;
   SurfaceEdges edges_first_, edges_second_;
   std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside

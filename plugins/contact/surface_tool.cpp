@@ -13,6 +13,7 @@ namespace {
 constexpr Real margin = 0.25;  // a touch is built from this far, before there is one
 constexpr Real dip = 0.01;     // what a triangle may be nearer than at its nodes
 constexpr Real cut = 0.05;     // what an edge may cut into one beside nodes that are pressed
+constexpr Real arc = 0.125;    // as little a rim may cut off unseen beside a straight way
 constexpr Real depth = 0.25;   // deeper inside than this it is not taken for having come in here
 constexpr Real wide = 3;       // of a tool that is wide against the mesh
 constexpr Real layers[] = {1e-3, 1e-2, 0.1};  // off a tool with edges, to find how they face it
@@ -100,7 +101,8 @@ Real SurfaceTool::way_of(Real motion, const At& distance) const {
 
 void SurfaceTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   surface_.look();
-  free_way_ = 1;
+  way_.look(tool_);
+  begin_look();
   deepest_ = 0;
   for (std::size_t k = 0; k < surface_.surface_nodes().size(); ++k) find_at_node(k, out);
   if (tool_.shape().kind == Shape::Kind::plane) return;  // nowhere nearer than at a node
@@ -139,9 +141,10 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
     motion = std::max(motion, (to[k] - from[k]).norm());
   }
   const Real edge = surface_.edge_length();
-  if (begin - size - motion > margin * edge) return;
-  const Real way =
-      way_of(motion, [&](Real time) { return distance_of(seen_at(t, time), 1.01 * allowed()); });
+  const Real bulge = way_.bulge(from, to);
+  if (begin - size - motion - bulge > margin * edge) return;
+  const auto at = [&](Real time) { return distance_of(seen_at(t, time), 1.01 * allowed()); };
+  const Real way = way_of(motion, at);
   const Corners there = seen_at(t, way);
   const Facing met = facing(there);
   const Vec3& weights = met.weights;
@@ -155,6 +158,8 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
     if (weights.maxCoeff() < at_node) touch(name, {t, weights}, met.on, out);
     return;
   }
+  if (bulge > arc * edge && way_of(motion, [&](Real time) { return at(time) - bulge; }) < 1)
+    knows_way_ = false;
   if (distance > margin * edge) return;
   // A rim always cuts a little into the triangles around the nodes that it presses, and holding
   // them there would make a punch wider than it is: only what tilts over an edge cuts in deeper. A

@@ -2,6 +2,7 @@
 // triangle where the tool presses between them.
 #pragma once
 
+#include "bulge.h"
 #include "moving_curve.h"
 #include "moving_surface.h"
 #include "tool_pair.h"
@@ -53,6 +54,7 @@ class SurfaceTool : public ToolPair {
   void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
   MovingSurface surface_;
+  ToolWay way_;
   Real deepest_ = 0;  ///< that a triangle is inside of the tool (m)
 };
 

@@ -63,6 +63,9 @@ class Pair {
   virtual bool find_again(Real /*first*/, Real /*second*/, Touch& /*touch*/) const { return false; }
   /// Of the last `find`: how much of that way is free.
   Real free_way() const { return free_way_; }
+  /// Of the last `find`: false if that straight way may differ too much from where the two go, as
+  /// one of them turns.
+  bool knows_way() const { return knows_way_; }
   /// How far the first has moved over the step relative to the second, at the touch (m).
   virtual Vec3 slip(const Touch& touch) const = 0;
   virtual void couple(const Touch& touch, BlockId block, const Directions& axes,
@@ -89,7 +92,12 @@ class Pair {
   virtual Tolerance tolerance(const Touch& touch) const = 0;
 
  protected:
+  void begin_look() {
+    free_way_ = 1;
+    knows_way_ = true;
+  }
   Real free_way_ = 1;
+  bool knows_way_ = true;
   bool start_is_known_ = false;  ///< what a pair keeps of the start of the step holds
 };
 

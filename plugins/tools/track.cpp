@@ -92,7 +92,7 @@ void Track::initialise(Setup& setup) {
                            "shorter way round");
     return;
   }
-  before_ = now_ = frames_.at(0);
+  before_ = now_ = half_way_ = frames_.at(0);
 }
 
 void Track::archive(Archive& a) {
@@ -113,6 +113,7 @@ void Track::drive(const StepContext& context) {
   if (!told_) {
     before_ = frames_.at(context.time);
     now_ = frames_.at(context.end());
+    half_way_ = frames_.at(context.time + context.dt / 2);
     return;
   }
   if (context.step != step_) {
@@ -122,6 +123,7 @@ void Track::drive(const StepContext& context) {
   }
   before_ = on_the_way(context.time);
   now_ = on_the_way(context.end());
+  half_way_ = on_the_way(context.time + context.dt / 2);
 }
 
 /// To where a host has told it to go, at this time of the step.

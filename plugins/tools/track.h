@@ -25,6 +25,7 @@ class Track : public Component, public Driver, public Tool {
   Pose pose() const override { return now_; }
   Pose start_pose() const override { return before_; }
   void move_to(const Pose& pose) override;
+  Pose half_way() const override { return half_way_; }
 
  private:
   Pose on_the_way(Real time) const;
@@ -45,6 +46,7 @@ class Track : public Component, public Driver, public Tool {
   Vec3 axis_ = Vec3::Zero();   ///< of the needle that `about` names
   KeyFrames frames_;
   Pose before_, now_;  ///< at the start and the end of the last step
+  Pose half_way_;      ///< between them in time
   Real dt_ = 0;        ///< of a whole step, s
 
   // Told by a host: from where it was when the step began to the target at its end.

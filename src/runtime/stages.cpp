@@ -171,6 +171,12 @@ bool Simulation::is_short_enough(const StepContext& context) {
          });
 }
 
+/// Whether every source knows where things have gone on their way to the guess.
+bool Simulation::knows_ways() {
+  return std::all_of(sources_.begin(), sources_.end(),
+                     [&](ConstraintSource* source) { return ask(source).knows_way(); });
+}
+
 /// The guess becomes the end of the step. The only place where topology and the number of rows may
 /// change.
 void Simulation::accept(const StepContext& context, bool solved, Timer& timer) {

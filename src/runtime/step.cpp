@@ -74,8 +74,13 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
                               .tolerance = scene_->limits.tolerance,
                               .early = std::max(Real(0), due - time)};
     finest = std::max(finest, division.parts());
-    const bool balanced = balance(context, timer), solved = balanced && is_short_enough(context);
-    const Real lacks = balanced ? 0 : times_tolerance(violation_, imbalance_, scene_->limits);
+    const bool balanced = balance(context, timer), known = knows_ways();
+    const bool solved = balanced && known && is_short_enough(context);
+    // However well a guess is balanced, it is of no use where something may have gone through.
+    constexpr Real no_use = std::numeric_limits<Real>::infinity();
+    const Real lacks = !known     ? no_use
+                       : balanced ? 0
+                                  : times_tolerance(violation_, imbalance_, scene_->limits);
     if (!solved && division.try_again(lacks)) continue;
     accept(context, solved, timer);
     if (!report_.finite) break;
