@@ -159,9 +159,9 @@ void BlockTridiagonal::solve(Eigen::Ref<MatX> columns) const {
   for (; j < columns.cols(); ++j) solve(Eigen::Ref<VecX>(columns.col(j)));
 }
 
-void BlockTridiagonal::multiply(const VecX& x, VecX& y) const {
+void BlockTridiagonal::multiply(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> y) const {
   const Index n = blocks();
-  y.resize(6 * n);
+  assert(x.size() == 6 * n && y.size() == 6 * n);
   for (Index i = 0; i < n; ++i) {
     Vec6 sum = diagonal_[i] * x.segment<6>(6 * i);
     if (i + 1 < n) sum += upper_[i] * x.segment<6>(6 * (i + 1));

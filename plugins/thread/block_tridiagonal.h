@@ -45,7 +45,7 @@ class BlockTridiagonal {
   /// Each column <- A^-1 column; several columns go through one matrix product.
   void solve(Eigen::Ref<MatX> columns) const;
   /// y = A x
-  void multiply(const VecX& x, VecX& y) const;
+  void multiply(const Eigen::Ref<const VecX>& x, Eigen::Ref<VecX> y) const;
 
   /// The inverse between some nodes (ascending), in O(blocks): own[a] = A^-1(nodes[a], nodes[a]),
   /// and A^-1(nodes[a], nodes[b]) = transfer[a] transfer[a+1] ... transfer[b-1] own[b] for a < b.

@@ -3,8 +3,11 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
+#include "chain_motion.h"
 #include "curve.h"
 
 namespace sutura::thread {
@@ -41,9 +44,9 @@ void Resampler::reserve(const Rod& rod, Index beams) {
   layout_.start.reserve(nodes);
   layout_.sections.reserve(nodes);
   velocity_.reserve(6 * static_cast<Index>(nodes));
-  for (auto* reals : {&twist_, &strain_, &old_abscissa_}) reals->reserve(nodes);
+  for (auto* reals : {&twist_, &old_abscissa_}) reals->reserve(nodes);
   changed_.reserve(nodes);
-  halves_.reserve(nodes);
+  wholes_.reserve(nodes);
   clamped_.reserve(rod.clamped().size());
   springs_.reserve(rod.springs().size());
   concerned_.reserve(nodes + 2);
@@ -92,8 +95,7 @@ void Resampler::plan_nodes(const Rod& rod, const std::function<Pose(Real)>& rest
 void Resampler::plan_halves(const Rod& rod) {
   const std::vector<Real>&old = rod.abscissa(), &abscissa = layout_.abscissa;
   const std::size_t n = abscissa.size();
-  strain_.assign(n, 0);
-  halves_.assign(n, 0);
+  wholes_.assign(n, {});
   ElementState state;
   for (std::size_t k = 1; k + 1 < n; ++k) {
     const Index beam = place(rod, abscissa[k]).beam;
@@ -101,8 +103,7 @@ void Resampler::plan_halves(const Rod& rod) {
         std::abs(abscissa[k + 1] - old[beam + 1]) > 1e-12)
       continue;
     rod.element_state(beam, state);
-    strain_[k] = state.strain;
-    halves_[k] = 1;
+    wholes_[k] = {true, state.strain, elastic_energy(rod.element(beam), state)};
   }
 }
 
@@ -156,23 +157,75 @@ void Resampler::rebuild(Rod& rod) {
 }
 
 /// Arc lengths of the cubic and of the beams differ in the fourth power of the angle; times EA
-/// that is seen. The new node of a split beam gives way until both halves have the strain of the
-/// whole: smallest shift, a few Newton steps.
+/// that is seen. So the new node of a split beam gives way, as little as keeps the strain of the
+/// whole in both halves. In a beam that is all but straight, and bent at rest, that little is much
+/// bending for next to no strain: there it goes only so far as the two together cost least, or not
+/// at all, whichever keeps the energy.
 void Resampler::keep_strain(Rod& rod) const {
-  ElementState a, b;
-  for (Index k = 1; k + 1 < rod.nodes(); ++k)
-    for (int pass = 0; halves_[k] && pass < 3; ++pass) {
-      rod.element_state(k - 1, a);
-      rod.element_state(k, b);
-      Eigen::Matrix<Real, 2, 3> J;
-      J.row(0) = strain_gradient(rod.element(k - 1), a).head<3>().transpose();
-      J.row(1) = -strain_gradient(rod.element(k), b).head<3>().transpose();
-      const Vec2 wanted(strain_[k] - a.strain, strain_[k] - b.strain);
-      Eigen::Matrix<Real, 2, 2> jj = J * J.transpose();
-      jj.diagonal() *=
-          1 + 1e-9;  // a straight beam has one direction only, and nothing to correct across
-      rod.poses()[k].position += J.transpose() * (jj.inverse() * wanted);
+  for (Index k = 1; k + 1 < rod.nodes(); ++k) {
+    if (!wholes_[k].split) continue;
+    constexpr Real kept = 0.005;  // of the energy, as in a merge
+    constexpr std::array<Real, 3> softness = {1e-9, 1, 1e30};
+    const Pose on_cubic = rod.poses()[k];
+    Pose best = on_cubic;
+    Real least = std::numeric_limits<Real>::infinity();
+    for (std::size_t i = 0; i < softness.size() && least > kept * wholes_[k].energy; ++i) {
+      rod.poses()[k] = on_cubic;
+      give_way(rod, k, softness[i]);
+      const Real change = std::abs(energy_change(rod, k));
+      if (!(change < least)) continue;
+      least = change;
+      best = rod.poses()[k];
     }
+    rod.poses()[k] = best;
+    ElementState s;
+    for (const Index e : {k - 1, k}) {
+      rod.element_state(e, s);
+      rod.twist()[e] = s.twist;
+    }
+  }
+}
+
+/// Moves the node to where the energy of its shift and tilt as a pair of straight beams holds it,
+/// times `softness`, and the energy of what strain the halves then have too much is least.
+void Resampler::give_way(Rod& rod, Index node, Real softness) const {
+  const ElementRest &left = rod.element(node - 1), &right = rod.element(node);
+  const Real length = (left.length + right.length) / 2, tilting = left.bend_1 + right.bend_1;
+  Vec6 unit;  // shift and tilt of unit energy: 8 EI / L and 24 EI / L^3 of beams of length L
+  unit << Vec3::Constant(length / std::sqrt(3 * tilting)), Vec3::Constant(1 / std::sqrt(tilting));
+  const Vec2 stretch(std::sqrt(left.axial * left.length), std::sqrt(right.axial * right.length));
+  const Pose from = rod.poses()[node];
+  Vec6 way = Vec6::Zero();
+  ElementState a, b;
+  for (int pass = 0; pass < 4; ++pass) {
+    rod.element_state(node - 1, a);
+    rod.element_state(node, b);
+    const Vec9 ga = strain_gradient(left, a), gb = strain_gradient(right, b);
+    Eigen::Matrix<Real, 2, 6> J;
+    J << ga.head<3>().transpose(), ga.tail<3>().transpose(),  //
+        -gb.head<3>().transpose(), gb.segment<3>(3).transpose();
+    J = stretch.asDiagonal() * J * unit.asDiagonal();
+    const Vec2 excess =
+        stretch.cwiseProduct(Vec2(a.strain, b.strain) - Vec2::Constant(wholes_[node].strain));
+    Eigen::Matrix<Real, 2, 2> jj = J * J.transpose();
+    // A straight beam has one direction only, and nothing to correct across.
+    jj.diagonal() = jj.diagonal() * (1 + 1e-9) + Vec2::Constant(softness);
+    way = J.transpose() * (jj.inverse() * (J * way - excess));
+    const Vec6 motion = unit.cwiseProduct(way);
+    rod.poses()[node] = {from.position + motion.head<3>(),
+                         rotated(from.rotation, motion.tail<3>())};
+  }
+}
+
+/// Of the halves beside a node against the whole that they were (J).
+Real Resampler::energy_change(const Rod& rod, Index node) const {
+  Real sum = -wholes_[node].energy;
+  ElementState s;
+  for (const Index e : {node - 1, node}) {
+    rod.element_state(e, s);
+    sum += elastic_energy(rod.element(e), s);
+  }
+  return sum;
 }
 
 void Resampler::list_concerned(const Rod& rod) {

@@ -27,16 +27,24 @@ class Resampler {
   void mark_neighbours(const Rod& rod);
   void rebuild(Rod& rod);
   void keep_strain(Rod& rod) const;
+  void give_way(Rod& rod, Index node, Real softness) const;
+  Real energy_change(const Rod& rod, Index node) const;
   void keep_momentum(Rod& rod, const Vec6& before);
   void list_concerned(const Rod& rod);
+
+  /// Of a node within a beam that was split: what the two halves there have to keep.
+  struct Whole {
+    bool split = false;
+    Real strain = 0;
+    Real energy = 0;  ///< J
+  };
 
   // The plan: what the rod is to be. Per node of the new rod unless said otherwise.
   RodLayout layout_;
   DofVector velocity_;
   std::vector<Real> twist_;    ///< per beam
   std::vector<char> changed_;  ///< new, or beside one that is new or goes
-  std::vector<char> halves_;   ///< new, in the middle of a beam that was split
-  std::vector<Real> strain_;   ///< that the two halves there have to keep
+  std::vector<Whole> wholes_;
 
   // Scratch.
   std::vector<Real> old_abscissa_;

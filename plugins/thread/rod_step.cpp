@@ -125,6 +125,7 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
 }
 
 bool RodStep::linearise(const Rod& rod, const Dofs& force) {
+  stuck_ = false;
   guess_.force.at = force;
   assemble(rod, start_, guess_, Tangent::exact, matrix_);
   if (!matrix_.factor()) {  // something buckles: go downhill

@@ -54,6 +54,8 @@ class RodStep {
   /// A balanced guess that is no minimum of the potential, with what constraints push held where it
   /// is, moves on to where that is lower. False if it is a minimum.
   bool leave_saddle(Rod& rod);
+  /// The guess is at a saddle, and no lower potential was found beside it.
+  bool is_stuck() const { return stuck_; }
   /// Another guess.
   void move_to(Rod& rod, const VecX& motion);
   /// The guess is the end of the step, which had this force of constraints.
@@ -76,7 +78,12 @@ class RodStep {
  private:
   void set_start(Real dt);
   void take_change(Rod& rod);
+  bool is_compressed(const Rod& rod) const;
+  void assemble_unpushed(const Rod& rod, Real convex);
   bool buckles(const Rod& rod);
+  Real find_buckling(const Rod& rod);
+  bool buckle(Rod& rod);
+  void descend(Rod& rod);
 
   RodStart start_;
   RodMoment now_;      ///< as the step begins
@@ -93,6 +100,7 @@ class RodStep {
   bool in_step_ = false;
   bool pushed_ = false;  ///< by constraints, in the last step
   bool part_way_ = false;
+  bool stuck_ = false;
 };
 
 }  // namespace sutura::thread

@@ -32,26 +32,28 @@ void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Ind
   blend(k, viscous, beta / (start.dt + beta));
 }
 
-/// The derivative of the moments of constraint forces, which turn with the tangents.
-void add_turning_moments(const Rod& rod, const RodGuess& guess, Real dt, BlockTridiagonal& matrix) {
+/// The derivative of the moments of constraint forces, which turn with the tangents; of all added
+/// moments, `share`.
+void add_turning_moments(const Rod& rod, const RodGuess& guess, Real dt, Real share,
+                         BlockTridiagonal& matrix) {
   for (Index i = 0; i < rod.nodes(); ++i) {
     const Vec3 t = tangent(rod.poses()[i]);
     const Mat3 product = t * guess.force.lever_at(i, rod.poses()[i]).transpose();
     matrix.diagonal(rod.stretches().block(i)).bottomRightCorner<3, 3>() -=
-        dt * dt / 2 * (product + product.transpose());
+        share * dt * dt / 2 * (product + product.transpose());
   }
 }
 
 /// The derivative of the moments that forces on followers have about their leaders: their arms
 /// turn.
-void add_turning_arms(const Rod& rod, const RodStart& start, const RodGuess& guess,
+void add_turning_arms(const Rod& rod, const RodStart& start, const RodGuess& guess, Real share,
                       BlockTridiagonal& matrix) {
   const std::vector<Pose>& poses = rod.poses();
   const auto add = [&](Index node, const Vec3& force) {
     const Vec3 arm = rod.stretches().arm(poses, node);
     const Mat3 product = arm * force.transpose();
     matrix.diagonal(rod.stretches().block(node)).bottomRightCorner<3, 3>() +=
-        start.dt * start.dt *
+        share * start.dt * start.dt *
         (force.dot(arm) * Mat3::Identity() - (product + product.transpose()) / 2);
   };
   for (const RigidStretch& s : rod.stretches().all()) {
@@ -95,19 +97,29 @@ struct BeamBlocks {
 
 void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,
               BlockTridiagonal& matrix) {
+  assemble(rod, start, guess, tangent == Tangent::exact ? 0. : 1., matrix);
+}
+
+void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Real convex,
+              BlockTridiagonal& matrix) {
   const Real dt = start.dt;
   const Real mass_factor = 1 + dt * start.damping.mass;
   const Real stiffness_factor = dt * (dt + start.damping.stiffness);
   matrix.diagonal(0).setZero();
   const Mat3 zero = Mat3::Zero();
-  ElementMatrix k;
+  ElementMatrix k, part;
   BeamBlocks alone;
   for (Index e = 0; e < rod.beams(); ++e) {
     const Stretches& stretches = rod.stretches();
-    if (stretches.is_rigid(e))
+    if (stretches.is_rigid(e)) {
       k = {zero, zero, zero, zero, zero, zero};
-    else
-      stiffness(rod, start, guess, e, tangent, k);
+    } else {
+      stiffness(rod, start, guess, e, convex < 1 ? Tangent::exact : Tangent::convex, k);
+      if (convex > 0 && convex < 1) {
+        stiffness(rod, start, guess, e, Tangent::convex, part);
+        blend(k, part, convex);
+      }
+    }
     const bool at_follower = stretches.follows(e) || stretches.follows(e + 1);
     const ElementMass& m = rod.inertia(e);
     const ElementState& s = guess.beams[e];
@@ -151,9 +163,9 @@ void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tang
                       so * s.ta.dot(s.tb) + ro);
     if (at_follower) alone.add_to(rod, e, matrix);
   }
-  if (tangent == Tangent::exact) {
-    add_turning_moments(rod, guess, dt, matrix);
-    add_turning_arms(rod, start, guess, matrix);
+  if (convex < 1) {
+    add_turning_moments(rod, guess, dt, 1 - convex, matrix);
+    add_turning_arms(rod, start, guess, 1 - convex, matrix);
   }
   for (const NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;

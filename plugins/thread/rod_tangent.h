@@ -17,6 +17,9 @@ enum class Tangent { exact, convex };
 
 void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Tangent tangent,
               BlockTridiagonal& matrix);
+/// Between the two: of the convex one this share, of the exact one the rest.
+void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Real convex,
+              BlockTridiagonal& matrix);
 
 /// Factors what `assemble` made; false if that is not positive definite.
 bool factor(BlockTridiagonal& matrix);

@@ -8,8 +8,8 @@
 
 namespace sutura::thread {
 
-Real turning_angle(const Rod& rod, Index beam) {
-  const auto& p = rod.poses();
+Real turning_angle(const Rod& rod, Index beam, Configuration configuration) {
+  const auto& p = rod.poses(configuration);
   const Cubic c(p[beam], p[beam + 1], rod.element(beam).length);
   constexpr int parts = 4;
   Real sum = 0;
@@ -44,6 +44,16 @@ bool keeps_energy(const Rod& rod, Index e, Real angle) {
   return std::abs(elastic_energy(whole, state) - halves) <= 0.005 * (halves + least);
 }
 
+/// The bend of a beam at rest. Its sections turn there by torsion as well, and half a radian of
+/// that counts as a bend of `angle`: from half a turn on nodes do not tell which way.
+Real turn_at_rest(const Rod& rod, Index e, Real angle) {
+  constexpr Real most = 0.5;
+  const auto& p = rod.poses(Configuration::rest);
+  const Real sections = p[e].rotation.angularDistance(p[e + 1].rotation);
+  if (sections < 1e-9) return 0;  // straight
+  return std::max(turning_angle(rod, e, Configuration::rest), angle * sections / most);
+}
+
 }  // namespace
 
 void SamplingWork::reserve(std::size_t beams) {
@@ -71,7 +81,7 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   };
   for (Index e = 0; e < n; ++e) {
     if (fixed(e)) continue;
-    angle[e] = turning_angle(rod, e);
+    angle[e] = std::max(turning_angle(rod, e), turn_at_rest(rod, e, rules.angle));
     const bool bent = angle[e] > rules.angle;
     split[e] = (bent && length(e) >= 2 * rules.shortest) || length(e) > rules.longest * (1 + 1e-9);
   }

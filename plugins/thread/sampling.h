@@ -1,9 +1,12 @@
 // Where the nodes of a rod should be: dense where it bends, coarse where it is straight.
 //
 // A beam is split when its turning angle, the integral of |dt/ds| along its cubic (an S does not
-// count as straight), exceeds `angle`; two beams are merged when the merged one would stay below
-// half of it (hysteresis: no flicker) and keeps their energy. Lengths stay between `shortest` and
-// `longest`, neighbours within a factor of two. One level per call.
+// count as straight), exceeds `angle`, now or at rest; two beams are merged when the merged one
+// would stay below half of it (hysteresis: no flicker) and keeps their energy. Lengths stay between
+// `shortest` and `longest`, neighbours within a factor of two. One level per call.
+//
+// Bends at rest count as well: a beam knows its rest shape to the fourth power of its turn, and a
+// whole and its halves differ by that in what they take for unstrained.
 #pragma once
 
 #include "rod.h"
@@ -18,8 +21,8 @@ struct SamplingRules {
   std::vector<Real> forced = {};  ///< abscissae that stay nodes (holds, swage), m
 };
 
-/// Integral of |dt/ds| along a beam of the current configuration (rad).
-Real turning_angle(const Rod& rod, Index beam);
+/// Integral of |dt/ds| along a beam (rad).
+Real turning_angle(const Rod& rod, Index beam, Configuration c = Configuration::current);
 
 /// Work space of sample(), kept by the caller so that a quiet step allocates nothing.
 struct SamplingWork {

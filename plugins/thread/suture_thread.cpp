@@ -101,7 +101,6 @@ void SutureThread::lay_out(std::vector<Real> nodes) {
 
 void SutureThread::build() {
   lay_out(node_abscissae());
-  start_moving();
   rules_ = {.angle = sampling_angle,
             .shortest = shortest_beam,
             .longest = thread_length / static_cast<Real>(thread_beams),
@@ -115,7 +114,17 @@ void SutureThread::build() {
     rod_.reserve(most);
     step_.reserve(most);
     resampler_.reserve(rod_, most);
+    sample_start();
   }
+  start_moving();
+}
+
+/// As many beams as the bends at rest and at the start ask for, before anything moves: nodes that
+/// come later lie on the cubics of coarser beams.
+void SutureThread::sample_start() {
+  constexpr int levels = 20;  // a beam is a millionth as long then
+  for (int i = 0; i < levels && sample(rod_, rules_, sampling_work_); ++i)
+    lay_out(sampling_work_.nodes);
 }
 
 void SutureThread::begin_step(const StepContext& context) {
@@ -197,10 +206,13 @@ void SutureThread::break_where_too_taut() {
 }
 
 void SutureThread::resample() {
+  sampling_change_ = 0;
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
+  const Real elastic = rod_.elastic_energy(), energy = elastic + rod_.kinetic_energy();
   resampler_.apply(
       rod_, sampling_work_.nodes, [&](Real s) { return shape_.rest(s); },
       [&](Real s) { return section(s); });
+  if (energy > 0) sampling_change_ = std::abs(rod_.elastic_energy() - elastic) / energy;
   step_.fit(rod_);
 }
 
@@ -211,6 +223,16 @@ void SutureThread::solve(Eigen::Ref<MatX> columns) const {
 std::string SutureThread::trouble() const {
   if (!rod_.finite()) return "the state is no longer finite";
   if (!factored_) return "the matrix of the step is not positive definite";
+  if (step_.is_stuck())
+    return "it is pushed together, and may have missed how it buckles: try a shorter step";
+  if (sampling_change_ > 0.01) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "as its beams were split or merged its energy changed by %.1f %%: they bent too "
+                  "far in one step; a shorter step, or more thread_beams",
+                  100 * sampling_change_);
+    return text;
+  }
   return coarse_bend();
 }
 

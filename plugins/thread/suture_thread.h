@@ -145,6 +145,7 @@ class SutureThread : public Component,
   RestShape read_shape(Setup& setup, const char* attribute, const File& file);
   void start_moving();
   void build();
+  void sample_start();
   std::string coarse_bend() const;
   void lay_out(std::vector<Real> nodes);
   void doubt_sizes(Setup& setup) const;
@@ -164,7 +165,8 @@ class SutureThread : public Component,
   std::vector<LimitTension> limits_;  ///< in the last step
   SamplingRules rules_;
   SamplingWork sampling_work_;
-  std::vector<Real> holds_;  ///< abscissae
+  Real sampling_change_ = 0;  ///< of elastic energy, by the last step's event, to all energy
+  std::vector<Real> holds_;   ///< abscissae
   mutable ChainCompliance compliance_;
   mutable BodyRows led_rows_;  ///< of the chain without followers
   mutable std::vector<Index> led_clamps_;

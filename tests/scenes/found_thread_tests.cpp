@@ -193,5 +193,94 @@ TEST(CutInFlight, KeepsMomentum) {
   EXPECT_LT((run.vector("/s", "momentum") - before).norm(), 1e-10 * before.norm());
 }
 
+struct Curled {
+  const char *thread, *settings;
+  int beams;  // as many as its curl asks for: length times curvature over the angle
+};
+void PrintTo(const Curled& c, std::ostream* out) {
+  *out << c.thread << c.settings;
+}
+class SampledCurl : public ::testing::TestWithParam<Curled> {};
+
+// A thread that is curled at rest, at 150 1/m, flies and curls up. Nothing drives it, so it never
+// has more energy than at first, however its beams are split and merged.
+TEST_P(SampledCurl, GainsNoEnergyInFlight) {
+  TextRun run(std::string("<SutureThread name='t' needle_length='0' tip_direction='-1 0 0' "
+                          "bending_factor='0.05' thread_rest_curvature='150' "
+                          "sampling_angle='0.15' ") +
+                  GetParam().thread + "/>",
+              std::string("gravity='0 0 0' ") + GetParam().settings);
+  ASSERT_TRUE(run) << run.said();
+  EXPECT_GE(run.number("/t", "beams"), GetParam().beams);
+  const auto energy = [&run] {
+    return run.number("/t", "elastic_energy") + run.number("/t", "kinetic_energy");
+  };
+  const Real first = energy();
+  for (int n = 0; n < 80; ++n) {
+    EXPECT_TRUE(run.simulation().step().solved) << n;
+    // One event may change the bending energy by 1 % (docs/theory/thread.md).
+    EXPECT_LT(energy(), 1.01 * first) << n;
+    // The fastest spin, 433 rad/s, draws with density (spin length)^2 / 8: a strain of 3e-4.
+    EXPECT_LT(run.number("/t", "largest_strain"), 3e-4) << n;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Threads, SampledCurl,
+    ::testing::Values(
+        Curled{"thread_length='60 mm' thread_beams='12' thread_diameter='0.2 mm' "
+               "thread_young='100 MPa' spin='31.472 -3.388 1.739'",
+               "dt='1 ms'", 60},
+        Curled{"thread_length='150 mm' thread_beams='20' thread_diameter='0.2 mm' "
+               "thread_young='10 MPa' thread_direction='0 1 0' thread_bend_radius='6 mm' "
+               "spin='1.949 -3.666 8.999'",
+               "dt='2 ms' time_order='2'", 150},
+        Curled{"thread_length='150 mm' thread_beams='20' thread_diameter='0.1 mm' "
+               "thread_young='2 GPa' spin='419.652 -33.733 79.285'",
+               "dt='7 ms' time_order='2'", 150}));
+
+struct Column {
+  Real dt;  // s
+  int beams;
+};
+void PrintTo(const Column& c, std::ostream* out) {
+  *out << c.dt << " s, " << c.beams << " beams";
+}
+class ColumnPushed : public ::testing::TestWithParam<Column> {};
+
+// A straight thread along an axis, pushed together at 6 mm/s. Its compression would be hundreds of
+// times what buckles it after one step. The end of a step is a minimum of the potential only while
+// no wave can grow: until then bending and inertia hold 2 sqrt(EI m) / dt in an endless thread (m
+// per length), and bending alone Euler's load in this one, clamped by the hand at its other end.
+TEST_P(ColumnPushed, BucklesInTheStepThatPushesIt) {
+  const auto [dt, beams] = GetParam();
+  TextRun run(
+      "<SutureThread name='t' needle_length='0' tip_direction='-1 0 0' thread_length='30 mm' "
+      "thread_diameter='0.02 mm' thread_young='2 GPa' bending_factor='1' clamp='start' "
+      "thread_beams='" +
+          std::to_string(beams) +
+          "'/><Track times='0 .023 .523 s' positions='0 0 0 0 0 0 -0.003 0 0'/>"
+          "<Grasper name='h' at='30 mm'/>",
+      "gravity='0 0 0' dt='" + std::to_string(dt) + "'");
+  ASSERT_TRUE(run) << run.said();
+  const Real radius = 1e-5, length = 30e-3, area = std::numbers::pi * radius * radius;
+  const Real bending = 2e9 * area * radius * radius / 4;
+  const Real euler = 4 * std::pow(std::numbers::pi / length, 2) * bending;
+  const Real most = euler + 2 * std::sqrt(bending * 910 * area) / dt;
+  while (run.simulation().time() < 0.15) {
+    const StepReport& report = run.simulation().step();
+    EXPECT_TRUE(report.solved) << run.simulation().time();
+    EXPECT_TRUE(report.messages.empty()) << report.messages.front();
+    EXPECT_LT(run.vector("/h", "force").norm(), most) << run.simulation().time();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AtAnyStepAndAnyBeams, ColumnPushed,
+                         ::testing::Values(Column{0.25e-3, 40}, Column{1e-3, 40},
+                                           Column{2.99e-3, 40}, Column{3e-3, 38}, Column{3e-3, 39},
+                                           Column{3e-3, 40}, Column{3e-3, 41}, Column{3e-3, 160},
+                                           Column{3.01e-3, 40}, Column{7e-3, 20},
+                                           Column{20e-3, 80}));
+
 }  // namespace
 }  // namespace sutura::testing

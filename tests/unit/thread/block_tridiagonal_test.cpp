@@ -45,7 +45,7 @@ TEST(BlockTridiagonal, SolvesAsADenseFactorisation) {
     c.matrix.solve(Eigen::Ref<VecX>(x));
     const VecX expected = c.dense.llt().solve(b);
     EXPECT_LT((x - expected).norm(), tolerance * expected.norm());
-    VecX back;
+    VecX back(6 * n);
     c.matrix.multiply(x, back);
     EXPECT_LT((back - b).norm(), tolerance * b.norm());
   }
