@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "scenes/text_run.h"
+#include "sutura/units.h"
 
 namespace sutura::testing {
 namespace {

@@ -10,9 +10,9 @@
 namespace sutura::testing {
 namespace {
 
-// At the end of the last pull, where the thread slides round eight mouths, one step of three misses
-// its tolerance and says so (docs/validation/step.md): that is not to become more, and nothing
-// else.
+// At the end of the last pull the thread slides round eight mouths. In one draw of two some steps
+// there missed their tolerance with beams of 0.5 mm, in none with the 0.4 mm that it has
+// (docs/validation/step.md); a few may, if they say so, and nothing else.
 TEST(Wound, IsSewnWithTwoBites) {
   const house::TemporaryFolder folder("wound");
   const house::Outcome outcome =
@@ -24,7 +24,7 @@ TEST(Wound, IsSewnWithTwoBites) {
     EXPECT_EQ(outcome.code, 5) << outcome.text;
     const std::string missed = "TOLERANCE MISSED in ", first = "first in step ";
     ASSERT_NE(outcome.text.find(missed), std::string::npos) << outcome.text;
-    EXPECT_LT(std::stoi(outcome.text.substr(outcome.text.find(missed) + missed.size())), 30);
+    EXPECT_LT(std::stoi(outcome.text.substr(outcome.text.find(missed) + missed.size())), 5);
     EXPECT_GT(std::stoi(outcome.text.substr(outcome.text.find(first) + first.size())), 700);
   }
   const Table t = read_csv((folder.path() / "probe.csv").string());
