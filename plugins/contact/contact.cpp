@@ -62,7 +62,7 @@ void Contact::describe(Describe<Contact>& d) {
 
 void Contact::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  if (says("static_friction") && static_friction_ < friction_) {
+  if (static_friction_ > 0 && static_friction_ < friction_) {
     setup.error(*this, "'static_friction' is " + format_real(static_friction_) +
                            ", less than 'friction', " + format_real(friction_));
     return;

@@ -165,7 +165,7 @@ void SceneReader::read_settings(const XmlElement& root) {
     } else if (value.name == "gap_tolerance") {
       read(scene_.limits.gap_tolerance, "m", tolerance_range);
     } else if (value.name == "time_tolerance") {
-      read(scene_.limits.time_tolerance, "m", tolerance_range);
+      read(scene_.limits.time_tolerance, "m", Range{.low = 0, .high = 1});
     } else if (value.name == "passes") {
       read_count(scene_.limits.passes, 1024, false);
     } else if (value.name == "substeps") {

@@ -48,6 +48,12 @@ TEST_P(TimeError, DividesAStepThatIsTooLong) {
   EXPECT_NEAR(report.worst_time_error(), g * 0.02 * 0.02 / 2 / 4, 1e-9);
 }
 
+TEST_P(TimeError, MayBeAnyWithoutATolerance) {
+  TextRun run(GetParam().content, "dt=\"20 ms\" gravity=\"0 0 -9.81\" time_tolerance=\"0\"");
+  ASSERT_TRUE(run) << run.said();
+  EXPECT_EQ(run.simulation().step().parts, 1);
+}
+
 TEST_P(TimeError, ThatNoPartMeetsIsSaid) {
   const Falling& f = GetParam();
   TextRun run(f.content,

@@ -137,6 +137,7 @@ TEST(Incline, HoldsMoreAtRestThanItDrags) {
   EXPECT_LT(run.vector("/suture", "tip_velocity").norm(), 1e-9);
   TextRun wrong(thread_on_plane(20, mu, "static_friction='0.2'"));
   EXPECT_NE(wrong.said().find("less than 'friction'"), std::string::npos);
+  EXPECT_TRUE(TextRun(thread_on_plane(20, mu, "static_friction='0'"))) << "0: there is none";
 }
 
 // Across the slope a thread rolls like a cylinder, with two thirds of the acceleration without
