@@ -123,8 +123,8 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
 }
 
 bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch) {
-  const auto& [nodes, faces, nodes_are_second, reach, around] = search;
-  const std::vector<Vec3>& normals = nodes_are_second ? normals_second_ : normals_first_;
+  const MovingSurface &nodes = search.nodes, &faces = search.faces;
+  const std::vector<Vec3>& normals = search.nodes_are_second ? normals_second_ : normals_first_;
   Seeker seeker{n.node, nodes.point(n.node), normals[static_cast<std::size_t>(n.node)].normalized(),
                 std::nullopt};
   Box way;
@@ -132,7 +132,7 @@ bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode
   near_.clear();
   Passing first;
   Near best;
-  faces.near(way.grown(around), [&](Index t) {
+  faces.near(way.grown(search.around), [&](Index t) {
     if (never_meet(search, n.node, t)) return;
     const Vec3 normal = faces.normal(t);
     const bool is_facing = normal.dot(seeker.outward) <= facing;
@@ -151,15 +151,15 @@ bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode
   const Vec3 normal = faces.normal(best.triangle);
   touch.triangle = best.triangle;
   touch.weights = best.weights;
-  touch.normal = nodes_are_second ? Vec3(-normal) : normal;
+  touch.normal = search.nodes_are_second ? Vec3(-normal) : normal;
   touch.along = touch.normal.unitOrthogonal();
   touch.at = best.weights[0] * c[0] + best.weights[1] * c[1] + best.weights[2] * c[2];
   touch.gap = normal.dot(seeker.at - touch.at);
   touch.node = n.node;
   touch.node_triangle = n.triangle;
   touch.node_weights = n.weights;
-  touch.nodes_are_second = nodes_are_second;
-  touch.first_place = static_cast<Real>(nodes_are_second ? -1 - n.node : n.node);
+  touch.nodes_are_second = search.nodes_are_second;
+  touch.first_place = static_cast<Real>(search.nodes_are_second ? -1 - n.node : n.node);
   return true;
 }
 
