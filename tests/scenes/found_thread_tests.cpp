@@ -148,34 +148,29 @@ TEST(EndMomentOf, AThreadThatSettlesBendsItAtOnce) {
   EXPECT_LT(std::abs(end.y()), 1e-9);
 }
 
+/// What is said of a load with these keys, at 10 ms a step.
+std::string said_of_load(const std::string& times, const std::string& factors) {
+  TextRun run(
+      "<SutureThread name='s' needle_length='0' thread_length='50 mm' thread_beams='5'/>"
+      "<ThreadLoad at='25 mm' force='1 0 0 mN' factors='" +
+          factors + "' times='" + times + "'/>",
+      "dt='10 ms'");
+  EXPECT_TRUE(run) << run.said();
+  return run.said();
+}
+
 // A step looks at its end: a pulse within it is missed, or lasts for all of it.
 TEST(KeysWithinAStep, AreWarnedOf) {
-  const auto said = [](const char* times) {
-    TextRun run(
-        "<SutureThread name='s' needle_length='0' thread_length='50 mm' thread_beams='5'/>"
-        "<ThreadLoad at='25 mm' force='1 0 0 mN' factors='0 1 0' times='" +
-            std::string(times) + "'/>",
-        "dt='10 ms'");
-    EXPECT_TRUE(run) << run.said();
-    return run.said();
-  };
-  EXPECT_NE(said("0.0995 0.1 0.1005 s").find("three keys lie within one step"), std::string::npos);
-  EXPECT_EQ(said("0.1 0.105 0.12 s"), "");
+  EXPECT_NE(said_of_load("0.0995 0.1 0.1005 s", "0 1 0").find("three keys lie within one step"),
+            std::string::npos);
+  EXPECT_EQ(said_of_load("0.1 0.105 0.12 s", "0 1 0"), "");
 }
 
 // What happens before the first step ends is not seen.
 TEST(KeysWithinAStep, AtTheStartAreWarnedOf) {
-  const auto said = [](const char* times) {
-    TextRun run(
-        "<SutureThread name='s' needle_length='0' thread_length='50 mm' thread_beams='5'/>"
-        "<ThreadLoad at='25 mm' force='1 0 0 mN' factors='1 0' times='" +
-            std::string(times) + "'/>",
-        "dt='10 ms'");
-    EXPECT_TRUE(run) << run.said();
-    return run.said();
-  };
-  EXPECT_NE(said("0 0.004 s").find("a key lies within the first step"), std::string::npos);
-  EXPECT_EQ(said("0 0.01 s"), "");
+  EXPECT_NE(said_of_load("0 0.004 s", "1 0").find("a key lies within the first step"),
+            std::string::npos);
+  EXPECT_EQ(said_of_load("0 0.01 s", "1 0"), "");
 }
 
 // Long beams carry momentum in their bending, which a cut must not lose.
