@@ -107,7 +107,7 @@ void Setup::warn_of_hidden_keys(const Component& who, const std::vector<Real>& t
 }
 
 void Setup::warn_of_hidden_start(const Component& who, const std::vector<Real>& times) {
-  if (times.size() > 1 && times[0] <= 0 && times[1] > 0 && times[1] < dt)
+  if (times.size() > 1 && times[0] <= 0 && times[1] > 0 && times[1] <= dt)
     warning(who, "a key lies within the first step of " + format_real(dt) + " s, at " +
                      format_real(times[1]) +
                      " s: a step sees the end of it only, and what is said before is missed");
