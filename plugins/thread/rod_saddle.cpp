@@ -46,8 +46,8 @@ Real RodStep::find_buckling(const Rod& rod) {
   auto mode = answer_.head(6 * matrix_.blocks());
   auto product = change_.head(6 * matrix_.blocks());
   matrix_.negative_direction(rod.element(0).length, mode);
-  constexpr int powers =
-      10;  // the second mode of a column has a third of the first one's eigenvalue
+  // The second mode of a column has a third of the first one's eigenvalue.
+  constexpr int powers = 10;
   Real eigenvalue = 0;
   for (int i = 0; i < powers; ++i) {
     assemble_unpushed(rod, 0);

@@ -208,16 +208,7 @@ std::string Tissue::settle(const Vec3& gravity) {
     return "nothing holds this tissue, so it has no balance; it needs an Attach";
   VecX x = positions();
   if (load().size() != dofs()) load().setZero(dofs());
-  std::string trouble = tissue::settle(model_, load(), gravity, x);
-  // What follows the surface pushes elsewhere then, and so on.
-  constexpr int most = 100;
-  for (int k = 0; trouble.empty() && !model_.followers.empty(); ++k) {
-    const VecX before = load();
-    for (FollowerLoad* follower : model_.followers) follower->follow(x, load());
-    if ((load() - before).norm() <= 1e-6 * before.norm()) break;
-    trouble = k < most ? tissue::settle(model_, load(), gravity, x)
-                       : "under a pressure that follows its surface it finds no balance";
-  }
+  const std::string trouble = tissue::settle(model_, load(), gravity, x);
   set_state(x, VecX::Zero(dofs()));
   step_->renew();
   return trouble;

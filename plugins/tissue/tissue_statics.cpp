@@ -10,15 +10,14 @@
 namespace sutura::tissue {
 namespace {
 
-/// Forces that a shape is under (N), with A <- their stiffness.
-VecX linearise(TissueModel& model, const VecX& weight, const VecX& load, const VecX& x,
-               NodeMatrix& A) {
-  VecX force = weight;
+/// Forces that a shape is under (N), with A <- their stiffness. `outside`: weight and loads.
+VecX linearise(TissueModel& model, const VecX& outside, const VecX& x, NodeMatrix& A) {
+  VecX force = outside;
   A.set_zero();
   model.elastic->linearise(x, 1, A, force);
   model.held.add_stiffness(1, A);
+  for (const FollowerLoad* follower : model.followers) follower->add_stiffness(x, 1, A);
   model.held.add_force(x, force);
-  force += load;
   model.held.clear_fixed(force);
   return force;
 }
@@ -26,12 +25,14 @@ VecX linearise(TissueModel& model, const VecX& weight, const VecX& load, const V
 }  // namespace
 
 /// Newton on the potential of elasticity, supports, weight and loads, each step shortened until the
-/// potential falls. With a solver of its own: the one of the steps may be late by some of them.
-std::string settle(TissueModel& model, const VecX& load, const Vec3& gravity, VecX& x) {
+/// potential falls. Loads that follow the surface have no potential in general, and count there as
+/// they are where the step begins. With a solver of its own: the one of the steps may be late by
+/// some of them.
+std::string settle(TissueModel& model, VecX& load, const Vec3& gravity, VecX& x) {
   VecX weight(model.dofs());
   for (Index i = 0; i < model.dofs(); i += 3)
     weight.segment<3>(i) = model.mass[static_cast<std::size_t>(i / 3)] * gravity;
-  const VecX outside = weight + load;
+  VecX outside = weight + load;
   model.held.put(x);
   model.elastic->set_viscosity(x, 0);
   const auto potential = [&](const VecX& at) {
@@ -46,14 +47,16 @@ std::string settle(TissueModel& model, const VecX& load, const Vec3& gravity, Ve
   constexpr Index most = 200, patience = 30;
   // A millionth of what acts, or nothing left to move: the forces of stiff supports never add up to
   // less than their rounding.
-  const Real tolerance = 1e-6 * outside.norm(), smallest = 1e-9 * model.edge_length;
+  const Real smallest = 1e-9 * model.edge_length;
   VecX next_x;
-  Real value = potential(x), left = 0, half = std::numeric_limits<Real>::infinity();
+  Real left = 0, half = std::numeric_limits<Real>::infinity();
   Index halved = 0;  // the last step in which it was
   for (Index i = 0; i < most; ++i) {
-    VecX step = linearise(model, weight, load, x, A);
+    for (FollowerLoad* follower : model.followers) follower->follow(x, load);
+    outside = weight + load;
+    VecX step = linearise(model, outside, x, A);
     left = step.norm();
-    if (left <= tolerance) return {};
+    if (left <= 1e-6 * outside.norm()) return {};
     if (left < half) {
       half = left / 2;
       halved = i;
@@ -63,15 +66,13 @@ std::string settle(TissueModel& model, const VecX& load, const Vec3& gravity, Ve
     direct->prepare(A, rotations, i);
     direct->solve(step);
     const Real longest = step.lpNorm<Eigen::Infinity>();
-    if (longest <= smallest) return {};
+    if (longest <= smallest && direct->report().converged) return {};
     Real part = 1;
+    const Real value = potential(x);
     for (int cut = 0; cut < 30; ++cut, part /= 2) {
       next_x = x + part * step;
-      const Real next = potential(next_x);
       // The last steps change the potential by less than its rounding.
-      if (!(next < value) && part * longest > 1e-6 * model.edge_length) continue;
-      value = next;
-      break;
+      if (potential(next_x) < value || part * longest <= 1e-6 * model.edge_length) break;
     }
     x = next_x;
   }

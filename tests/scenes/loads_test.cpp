@@ -72,6 +72,51 @@ TEST(Loads, UnderPressureABlockComesToRest) {
   }
 }
 
+// A block on rollers stretches evenly, by s: its law (docs/theory/tissue.md) has the stress 3K (s -
+// 1) at rest's area, 3K = E / (1 - 2 nu), which balances -p s^2. Beyond a tension of 3K / 4 nothing
+// does.
+TEST(Settling, ABlockUnderPressureTakesItsSizeOrIsRefused) {
+  const auto block_under = [](const std::string& pressure) {
+    return TextRun(
+        "<BlockMesh box='0 0 0 10 10 10 mm' cells='4 4 4'/><Tissue young='10 kPa' poisson='0.3' "
+        "settle='true'/><Attach box='0 0 0 0 10 10 mm' directions='x'/>"
+        "<Attach name='y' box='0 0 0 10 0 10 mm' directions='y'/>"
+        "<Attach name='z' box='0 0 0 10 10 0 mm' directions='z'/>"
+        "<TissueLoad box='-50 -50 -50 50 50 50 mm' pressure='" +
+        pressure + "'/><TissueProbe name='corner' point='10 10 10 mm'/>");
+  };
+  const Real modulus = 10e3 / (1 - 2 * 0.3);
+  for (const Real p : {2e3, 500., -4e3, -6e3}) {
+    TextRun run = block_under(format_real(p) + " Pa");
+    ASSERT_TRUE(run) << run.said();
+    const Real stretch = (std::sqrt(modulus * modulus + 4 * p * modulus) - modulus) / (2 * p);
+    // To a millionth of the forces; near the largest tension that moves it a hundred times further.
+    for (const Real u : run.vector("/corner", "displacement"))
+      EXPECT_NEAR(u, 10e-3 * (stretch - 1), 1e-4 * 10e-3) << p;
+  }
+  for (const char* tension : {"-7 kPa", "-15 kPa"}) {
+    TextRun run = block_under(tension);
+    EXPECT_FALSE(run);
+    EXPECT_NE(run.said().find("no balance was found"), std::string::npos) << run.said();
+  }
+}
+
+// Pressure turns with what it bends: settled, a strip that it has bent by half of its length is at
+// rest in the first step.
+TEST(Settling, AStripThatPressureBendsIsAtRest) {
+  TextRun run(
+      "<BlockMesh box='0 0 0 40 10 4 mm' cells='16 4 2'/><Tissue young='10 kPa' poisson='0.3' "
+      "settle='true' damping_stiffness='0.1 s'/><Attach box='0 0 0 0 10 4 mm'/>"
+      "<TissueLoad box='0 0 0 40 10 0 mm' pressure='15 Pa'/>"
+      "<TissueProbe name='end' point='40 5 2 mm'/>");
+  ASSERT_TRUE(run) << run.said();
+  const Vec3 bent = run.vector("/end", "displacement");
+  EXPECT_GT(bent.norm(), 20e-3);
+  run.run(0.1);
+  // A millionth of the forces was left.
+  EXPECT_LT((run.vector("/end", "displacement") - bent).norm(), 1e-6 * bent.norm());
+}
+
 TEST(Loads, AMomentHasNoForceAndItsOwnMoment) {
   TextRun run(block +
               "<TissueLoad name=\"m\" box=\"0 0 10 20 10 10 mm\" moment=\"0 1e-5 0 N m\"/>");
