@@ -166,12 +166,13 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   if (front_ == Front::none || front_ == Front::overrun) return;
   threshold_here_ = threshold_at(front_, touched_);
   block_ = add_block(builder, front_, footprint_, touched_, count_);
-  // Once the guess is through, and not before: beside an edge a plane would hold a tip that slides
-  // past it. The key is that of the next step, in which the tip faces it.
-  const Vec3 tip = path_->thread().point(0, Configuration::current);
-  const Real above = touched_.normal.dot(tip - touched_.position);
-  const Real dent = footprint_.compliance() * threshold_here_;
-  if (far_side_.is_near && above < -dent - arrived * reach_)
+  // Only what has gone in can come out again: before, the two sides may contradict each other, as
+  // at the edge of a block, and both forces would grow up to their thresholds. The key is that of
+  // the next step, in which the tip faces it.
+  const Key entry = key_of(front_, count_);
+  const bool is_through =
+      builder.known_mode(entry, PunctureLaw::pressing) == PunctureLaw::penetrated;
+  if (far_side_.is_near && is_through)
     far_side_.block =
         add_block(builder, Front::exit, far_side_.footprint, far_side_.touched, count_ + 1);
 }
