@@ -17,8 +17,9 @@ constexpr Real too_much = 0.45;  // likewise: the widest disc is dented by 0.7 o
 constexpr Real widest = 10;      // disc, in units of the radius of the shaft
 constexpr Real deepest = 3;      // dent of the near field, of the disc: linear theory says no more
 
-constexpr Real most_stretch = 4;  // what is further apart now than that, of rest, is torn apart
-constexpr Real as_far = 2;        // search radius, by how far a point slides
+constexpr Real most_stretch = 4;   // what is further apart now than that, of rest, is torn apart
+constexpr Real as_far = 2;         // search radius, by how far a point slides
+constexpr Real half_turned = 0.5;  // cosine; a normal that turns by more shows another surface
 
 /// A direction along the surface that belongs to the mesh and not to the axes of the world: the
 /// edge of the tetrahedron under it that lies flattest.
@@ -110,7 +111,8 @@ void Footprint::find(const SolidBody& tissue, const SurfacePoint& surface, const
 void Footprint::slide(const SolidBody& tissue, const SurfacePoint& from, const SurfacePoint& to,
                       const Vec3& under, const Pressing& tip) {
   constexpr Configuration rest = Configuration::rest, start = Configuration::start;
-  const Real height = offset_.dot(normal(tissue, start));
+  const Vec3 before = normal(tissue, start);
+  const Real height = offset_.dot(before);
   const Real was = disc_;
   fit(tissue, to, tip);
   // In the shape at rest, where there is no tent, it moves like a rigid disc.
@@ -129,7 +131,11 @@ void Footprint::slide(const SolidBody& tissue, const SurfacePoint& from, const S
   }
   offset_.setZero();
   const Vec3 n = normal(tissue, start), gap = under - position(tissue, start);
-  offset_ = gap + (height - gap.dot(n)) * n;
+  // Seen along the normal that it had: beside an edge the mean is a millimetre away from the tip,
+  // and a normal that turns at once, as points pass from the top to the side, would lift the place
+  // by a part of that.
+  const Vec3 up = n.dot(before) > half_turned ? before : n;
+  offset_ = gap + (height - gap.dot(up)) / n.dot(up) * n;
 }
 
 Vec3 Footprint::position(const SolidBody& tissue, Configuration c) const {
