@@ -60,44 +60,65 @@ void RodWay::predict_tension(const Rod& rod, RodGuess& guess, Real part) const {
 }
 
 void RodWay::go(Rod& rod, const RodStart& start, RodGuess& guess, Real part) {
+  guess.motion = from_ + part * direction_;
+  join(rod, guess, part);
+  const bool anchored = share_out_drift(rod, guess);
+  for (Index i = 0; i < rod.nodes(); ++i) guess.motion.segment<3>(6 * i) += drift_[i];
+  guess.move(rod, start);
+  if (!anchored) keep_momentum(rod, start, guess);
+}
+
+/// Joins the beams one to another, turned and stretched as they are after `part` of the way:
+/// `drift_` is how far that leads every node off the straight way, from the first one on.
+void RodWay::join(const Rod& rod, const RodGuess& guess, Real part) {
   const std::vector<Pose>& begin = rod.poses(Configuration::start);
-  DofVector& motion = guess.motion;
-  motion = from_ + part * direction_;
-  Vec3 drift = Vec3::Zero();      // of the beams joined one to another
-  Vec3 at_anchor = Vec3::Zero();  // that of the last node that goes straight on
-  Index anchor = -1;
-  Pose a, b;  // of a beam, in axes of its own first node
-  a.position.setZero();
   const Stretches& stretches = rod.stretches();
   Quat stretch_turn = Quat::Identity();  // of the rigid stretch that node i is in, since the start
-  ElementState s;
+  Vec3 drift = Vec3::Zero();
+  Quat before;
   for (Index i = 0; i < rod.nodes(); ++i) {
+    Quat rotation;
     if (stretches.follows(i)) {
-      b.rotation = stretch_turn * begin[i].rotation;
+      rotation = stretch_turn * begin[i].rotation;
     } else {
-      b.rotation = turned(begin[i].rotation, motion.segment<3>(6 * i + 3));
-      stretch_turn = b.rotation * begin[i].rotation.conjugate();
+      rotation = turned(begin[i].rotation, guess.motion.segment<3>(6 * i + 3));
+      stretch_turn = rotation * begin[i].rotation.conjugate();
     }
     if (i > 0) {
       const Index e = i - 1;
-      const Vec3& chord = chord_[e];
       const Vec3 change = part * (direction_.segment<3>(6 * i) - direction_.segment<3>(6 * e));
-      if (stretches.is_rigid(e)) {
-        b.position = stretch_turn * (begin[i].position - begin[e].position);
-      } else if (rod.is_cut(e)) {
-        b.position = chord + change;
-      } else {
-        const Vec3 turn = chord.cross(change) / chord.squaredNorm();
-        b.position = rotated(Quat::Identity(), turn) * chord;
-        evaluate(rod.element(e), a, b, rod.twist()[e], s);
-        const Real due = strain_[e] + part * strain_change_[e];
-        b.position *= 1 + (due - s.strain) * rod.element(e).length / s.l;
-      }
-      drift += b.position - chord - change;
+      Vec3 chord = chord_[e] + change;  // across a cut
+      if (stretches.is_rigid(e))
+        chord = stretch_turn * (begin[i].position - begin[e].position);
+      else if (!rod.is_cut(e))
+        chord = turned_chord(rod, e, before, rotation, change, part);
+      drift += chord - chord_[e] - change;
     }
     drift_[i] = drift;
-    a.rotation = b.rotation;
+    before = rotation;
+  }
+}
+
+/// Chord of a beam whose ends have turned so and move apart by `change`: turned as they move, and
+/// as long as the strain of the linear answer asks.
+Vec3 RodWay::turned_chord(const Rod& rod, Index e, const Quat& first, const Quat& second,
+                          const Vec3& change, Real part) const {
+  const Vec3 turn = chord_[e].cross(change) / chord_[e].squaredNorm();
+  const Vec3 chord = rotated(Quat::Identity(), turn) * chord_[e];
+  ElementState s;
+  evaluate(rod.element(e), {Vec3::Zero(), first}, {chord, second}, rod.twist()[e], s);
+  const Real due = strain_[e] + part * strain_change_[e];
+  return chord * (1 + (due - s.strain) * rod.element(e).length / s.l);
+}
+
+/// Where a node goes straight on, no drift is left; between two such nodes it is shared out as the
+/// beams give way. False if no node does, and all drift as they are joined.
+bool RodWay::share_out_drift(const Rod& rod, const RodGuess& guess) {
+  Vec3 at_anchor = Vec3::Zero();  // drift of the last node that goes straight on
+  Index anchor = -1;
+  for (Index i = 0; i < rod.nodes(); ++i) {
     if (!guess.goes_straight(rod, i)) continue;
+    const Vec3 drift = drift_[i];
     const Vec3 misfit = anchor < 0 ? Vec3::Zero() : Vec3(drift - at_anchor);
     const Vec3 first = anchor < 0 ? drift : at_anchor;
     const Real between = anchor < 0 ? 1 : give_[i] - give_[anchor];
@@ -109,14 +130,16 @@ void RodWay::go(Rod& rod, const RodStart& start, RodGuess& guess, Real part) {
     anchor = i;
   }
   for (Index k = anchor + 1; k < rod.nodes(); ++k) drift_[k] -= at_anchor;
-  for (Index i = 0; i < rod.nodes(); ++i) motion.segment<3>(6 * i) += drift_[i];
-  guess.move(rod, start);
-  if (anchor >= 0) return;
-  // Free, its linear momentum is exact: a shift of the whole takes up what the drifts left of it.
+  return anchor >= 0;
+}
+
+/// The linear momentum of a free rod is exact: a shift of the whole takes up what the drifts left
+/// of it.
+void RodWay::keep_momentum(Rod& rod, const RodStart& start, RodGuess& guess) const {
   Vec3 missing = Vec3::Zero();
   for (Index i = 0; i < rod.nodes(); ++i) missing += guess.missing.segment<3>(6 * i);
   const Vec3 shift = start.dt * missing / (rod.mass() * (1 + start.dt * start.damping.mass));
-  for (Index i = 0; i < rod.nodes(); ++i) motion.segment<3>(6 * i) += shift;
+  for (Index i = 0; i < rod.nodes(); ++i) guess.motion.segment<3>(6 * i) += shift;
   guess.move(rod, start);
 }
 

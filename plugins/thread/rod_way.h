@@ -30,6 +30,12 @@ class RodWay {
   void predict_tension(const Rod& rod, RodGuess& guess, Real part) const;
 
  private:
+  void join(const Rod& rod, const RodGuess& guess, Real part);
+  Vec3 turned_chord(const Rod& rod, Index e, const Quat& first, const Quat& second,
+                    const Vec3& change, Real part) const;
+  bool share_out_drift(const Rod& rod, const RodGuess& guess);
+  void keep_momentum(Rod& rod, const RodStart& start, RodGuess& guess) const;
+
   DofVector from_, direction_;  ///< motion of the guess, and its change
   std::vector<Vec3> chord_;     ///< per beam, m
   std::vector<Real> strain_, strain_change_;
