@@ -32,6 +32,7 @@ void SutureThread::archive(Archive& a) {
     each("tension", limit.tension);
   });
   a("factored", factored_);
+  held_strands_.archive(a);
 }
 
 /// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a
@@ -155,6 +156,7 @@ bool SutureThread::goes_on_as_before(const StepContext&) {
 }
 
 void SutureThread::end_step(const StepContext&, const VecX& force) {
+  held_strands_.end_step(rod_, step_.time_error(rod_));
   step_.end(rod_, force);
   limits_.clear();
   break_where_too_taut();
@@ -233,7 +235,8 @@ std::string SutureThread::trouble() const {
                   100 * sampling_change_);
     return text;
   }
-  return coarse_bend();
+  const std::string doubt = held_strands_.doubt(rod_, step_.guess());
+  return doubt.empty() ? coarse_bend() : doubt;
 }
 
 /// A cubic has no shape for a beam whose ends turn further than that against its chord: it snaps

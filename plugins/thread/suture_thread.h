@@ -3,6 +3,7 @@
 
 #include "chain_compliance.h"
 #include "curve.h"
+#include "held_strands.h"
 #include "needle_pose.h"
 #include "resampler.h"
 #include "rod.h"
@@ -160,6 +161,7 @@ class SutureThread : public Component,
 
   Rod rod_;
   RodStep step_;
+  HeldStrands held_strands_;
   Resampler resampler_;
   SutureShape shape_;
   std::vector<LimitTension> limits_;  ///< in the last step

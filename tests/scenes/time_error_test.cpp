@@ -81,5 +81,33 @@ TEST(TimeErrorOf, AHandThatMovesEvenlyIsThatOfItsFirstStep) {
   EXPECT_LT(run.simulation().step().worst_time_error(), 1e-6);
 }
 
+/// Steps in which a thread that falls from one hand, and is taken by another and drawn taut, says
+/// that its tension is not known.
+int doubts(const std::string& grasp) {
+  TextRun run(
+      "<SutureThread name='b' needle_length='0' tip='0 0 0' tip_direction='-1 0 0' "
+      "thread_length='50 mm' thread_beams='40' bending_factor='0.05'/>"
+      "<Track name='still' times='0' positions='0 0 0'/>"
+      "<Track name='out' times='0.1 0.4 s' positions='0 0 0  5 0 0 mm'/>"
+      "<Grasper name='one' track='still' at='0'/>"
+      "<Grasper name='other' track='out' at='45 mm' grasp='" +
+          grasp + "'/>",
+      "dt='5 ms' gravity='0 0 -9.81'");
+  EXPECT_TRUE(run) << run.said();
+  int doubts = 0;
+  while (run && run.simulation().time() < 0.4) {
+    for (const std::string& note : run.simulation().step().messages)
+      doubts += note.find("may be slack") != std::string::npos;
+  }
+  EXPECT_GT(run.number("/b", "largest_strain"), 1e-3) << "it is not taut";
+  return doubts;
+}
+
+// It is drawn out by 0.08 mm a step, and was known to g h^2 / 2 = 0.12 mm as it was caught.
+TEST(TimeErrorOf, AStrandThatWasCaughtIsTold) {
+  EXPECT_GT(doubts("40 ms"), 0);
+  EXPECT_EQ(doubts("0"), 0) << "it was at rest where it was taken";
+}
+
 }  // namespace
 }  // namespace sutura::testing
