@@ -157,8 +157,8 @@ Real CurveCurve::needle_arc() const {
 
 bool CurveCurve::is_lowest(Real u, Real slope, const MovingCurve& curve, std::size_t segment) {
   constexpr Real rounding = 1e-9;
-  if (u <= 0) return curve.begins_piece(segment) || std::abs(slope) < rounding;
-  if (u >= 1) return curve.ends_piece(segment);  // else the next one has it at its u = 0
+  if (u <= 0) return curve.begins_thick(segment) || std::abs(slope) < rounding;
+  if (u >= 1) return curve.ends_thick(segment);  // else the next one has it at its u = 0
   return true;
 }
 
@@ -214,8 +214,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
     const ClosestPair at = closest_to(a.point(u), u, c);
     if (!is_on_b(at)) continue;
     nearest = std::min(nearest, at.distance);
-    const bool is_mine = u < 1 || a_.ends_piece(i);
-    if (is_mine && at.distance < (1 + node_margin) * R) out.push_back(touch_at(i, j, at));
+    if (a_.has_node(i, u) && at.distance < (1 + node_margin) * R) out.push_back(touch_at(i, j, at));
   }
   for (Real place = a.abscissa(at_node); is_along;) {
     place = before.between(place, a.abscissa(1 - at_node));

@@ -165,14 +165,18 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     return;
   }
 
-  // At the nodes, once for both segments that share one.
+  // At the nodes, once for both segments that share one. What is inside has none.
   Real nearest = std::numeric_limits<Real>::infinity();
-  const bool is_last = seen_.ends_piece(i) || is_inside(seen_.now[i + 1].from, seen_.now[i + 1].to);
+  const auto has_node = [&](Real u) {
+    if (seen_.has_node(i, u)) return true;
+    const CurveSegment& other = seen_.now[u < 1 ? i - 1 : i + 1];
+    return is_inside(other.from, other.to);
+  };
   for (const Real u : {0., 1.}) {
     sides_of(i, u, sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      if (u < 1 || is_last) touch(i, side, out);
+      if (has_node(u)) touch(i, side, out);
     }
   }
   // Where it was touched before, and where the surface stands out between.
@@ -265,13 +269,10 @@ Real CurveSurface::distance() const {
     MovingCurve::add_to(box, s);
     // Wider and wider, until something is in reach.
     for (Real near = 2 * s.radius; near < 1e3; near *= 4) {
-      Real here = std::numeric_limits<Real>::infinity();
-      if (near - s.radius > smallest) break;
       now.surface_.near(box.grown(near), [&](Index t) {
-        here = std::min(here, closest(s, t, now.surface_.now(t)).distance - s.radius);
+        smallest = std::min(smallest, closest(s, t, now.surface_.now(t)).distance - s.radius);
       });
-      smallest = std::min(smallest, here);
-      if (here < near - s.radius) break;
+      if (smallest < near - s.radius) break;
     }
   }
   return smallest;

@@ -50,9 +50,8 @@ void CurveTool::look_at_start() {
 }
 
 std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
-  std::size_t i = std::min(node, seen_.size() - 1);
-  if (seen_.now[i].cut && node > 0) i = node - 1;
-  return {i, node == i ? 0 : 1};
+  const bool is_end = node > 0 && seen_.ends_thick(node - 1);
+  return {is_end ? node - 1 : node, is_end ? 1 : 0};
 }
 
 void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
@@ -66,8 +65,7 @@ void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
 void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
   const auto [i, u] = place_of(node);
   if (seen_.now[i].cut) return;
-  Real radius = seen_.now[i].radius;
-  if (node > 0) radius = std::max(radius, seen_.now[node - 1].radius);
+  const Real radius = seen_.now[i].radius;
   const Vec3 from = u > 0 ? seen_.start[i].xb : seen_.start[i].xa;
   const Vec3 to = u > 0 ? seen_.now[i].xb : seen_.now[i].xa;
   const Real motion = (to - from).norm();

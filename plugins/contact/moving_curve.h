@@ -41,6 +41,18 @@ struct MovingCurve {
   /// Is segment i the first, or the last, of its piece?
   bool begins_piece(std::size_t i) const { return i == 0 || now[i - 1].cut; }
   bool ends_piece(std::size_t i) const { return i + 1 == size() || now[i + 1].cut; }
+  /// Likewise, or does the curve go on thinner there, as behind a needle?
+  bool begins_thick(std::size_t i) const {
+    return begins_piece(i) || now[i - 1].radius < now[i].radius;
+  }
+  bool ends_thick(std::size_t i) const {
+    return ends_piece(i) || now[i + 1].radius < now[i].radius;
+  }
+  /// Of two segments that share a node one has it: the thicker, else the second. Is this the one,
+  /// with its node at u = 0 or 1?
+  bool has_node(std::size_t i, Real u) const {
+    return u < 1 ? begins_piece(i) || !ends_thick(i - 1) : ends_thick(i);
+  }
   CurveSegment at(std::size_t i, Real time) const { return on_the_way(start[i], now[i], time); }
   /// Points whose convex hull contains a segment.
   static void hull(const CurveSegment& s, Vec3 (&points)[4]) {

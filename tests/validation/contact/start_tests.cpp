@@ -64,6 +64,14 @@ TEST(Start, DistancesAreThoseOfTheSurfaces) {
   ASSERT_TRUE(curve) << curve.said();
   EXPECT_NEAR(curve.number("/contact", "distance"), 2e-3 - 0.1e-3, 1e-9);
 
+  // A thread that leans towards the skin, near it all along: its first beam is not the nearest.
+  const Vec3 lean = Vec3(1, 0, -0.01).normalized();
+  TextRun leaning(skin + thread("a", Vec3(1e-3, 2e-3, 0.15e-3), lean, 8e-3, 8) +
+                  "<Contact first='a' second='/skin/tissue'/>");
+  ASSERT_TRUE(leaning) << leaning.said();
+  const Real lower_end = 0.15e-3 - 4e-3 * 0.01;
+  EXPECT_NEAR(leaning.number("/contact", "distance"), lower_end - 0.1e-3, 0.01e-6);
+
   // Bodies further apart than they are long, the second beside the first.
   TextRun blocks(skin + block("other", "40 -3 -8 44 3 0", "2 2 2") +
                  "<Contact first='/skin/tissue' second='/other/tissue'/>");
