@@ -192,8 +192,8 @@ void Channel::find_abscissae() {
   }
 }
 
-/// The end of a piece has gone by: the channel behind it is empty. Where the piece of the tip begins
-/// the tip is, which may come back.
+/// The end of a piece has gone by: the channel behind it is empty. Where the piece of the tip
+/// begins the tip is, which may come back.
 void Channel::drop_where_thread_ends() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < passed_; ++i)
@@ -264,66 +264,6 @@ void Channel::record(bool blocked) {
     const Real s = depth - next;
     push(embed(thread_.point(s, Configuration::current)), next, s, PathSample::Kind::inner);
   }
-}
-
-Real Channel::cut_to(std::size_t i, const Vec3& point) {
-  constexpr Configuration now = Configuration::current;
-  PathSample& s = samples_[i];
-  std::optional<EmbeddedPoint> to;
-  if (s.kind != PathSample::Kind::inner) {  // a mouth stays on the surface, as long as it reaches
-    if (const auto foot = tissue_.closest_surface(point, thread_.radius(0), now)) to = foot->at;
-  }
-  if (!to) to = tissue_.locate(point, now);
-  s.cut_out = !to;
-  const Vec3 from = tissue_.position(s.at, now);
-  if (to) s.at = *to;
-  return ((to ? tissue_.position(s.at, now) : point) - from).norm();
-}
-
-Real Channel::cut_end_to(const Vec3& point) {
-  constexpr Configuration now = Configuration::current;
-  const Vec3 from = tissue_.position(end_, now);
-  end_ = embed(point);
-  return (tissue_.position(end_, now) - from).norm();
-}
-
-void Channel::drop_cut_out() {
-  const auto is_out = [](const PathSample& s) { return s.cut_out; };
-  if (std::none_of(samples_.begin(), samples_.end(), is_out)) return;
-  const bool was_open = tip_inside();
-  std::vector<PathSample> rest;
-  rest.reserve(samples_.capacity());
-  bool is_open = false;
-  for (std::size_t i = 0; i < passed_;) {
-    // A run of samples of one stretch of thread, none of them cut out.
-    std::size_t end = i;
-    bool has_inner = false;
-    for (; end < passed_ && !samples_[end].cut_out; ++end) {
-      if (end > i && !is_joined(end)) break;
-      has_inner = has_inner || samples_[end].kind == PathSample::Kind::inner;
-    }
-    if (end == i) {
-      ++i;
-      continue;
-    }
-    // What it was joined to has been cut out.
-    const bool begins_here = is_joined(i), ends_here = end < passed_ && is_joined(end);
-    if (!(begins_here || ends_here) || (has_inner && end - i > 1)) {
-      PathSample &first = samples_[i], &last = samples_[end - 1];
-      if (begins_here) first.kind = PathSample::Kind::entry;
-      if (ends_here) last.kind = PathSample::Kind::exit;
-      rest.insert(rest.end(), &first, &last + 1);
-      is_open = was_open && end == passed_;
-    }
-    i = end;
-  }
-  const std::size_t passed = rest.size();
-  // What a retracting tip has left goes on from the open bite.
-  if (is_open == was_open)
-    rest.insert(rest.end(), samples_.begin() + static_cast<std::ptrdiff_t>(passed_),
-                samples_.end());
-  samples_.swap(rest);
-  passed_ = passed;
 }
 
 void Channel::archive(Archive& a) {

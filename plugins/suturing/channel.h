@@ -25,7 +25,8 @@ struct PathSample {
   Real slip = 0;  ///< change of the abscissa over the last step (m): positive when the tip advances
   Real lateral_force = 0;  ///< across the thread in the last step (N)
   enum class Kind { entry, inner, exit } kind = Kind::inner;
-  bool cut_out = false;  ///< until drop_cut_out
+  bool cut_out = false;    ///< until drop_cut_out
+  bool passed_by = false;  ///< by a mouth, likewise
 };
 
 /// Samples are kept in the order of passage: all before `passed` are on the thread, those after it
@@ -81,8 +82,9 @@ class Channel {
   void look_for_cuts();
   PathSample& sample(std::size_t i) { return samples_[i]; }
   /// The thread has cut sideways through the tissue, so that sample i of the channel, or its end,
-  /// is at `point` now. Returns how far it has moved (m): a mouth at an edge of the tissue stays
-  /// there until the thread is past it.
+  /// is at `point` now; a mouth is where the thread, as far away as it is from there, goes through
+  /// the surface. Returns how far it has moved across the thread (m): a mouth at an edge of the
+  /// tissue stays there until the thread is past it. (side_cut.cpp)
   Real cut_to(std::size_t i, const Vec3& point);
   Real cut_end_to(const Vec3& point);
   /// What has been cut out of the tissue is on the thread no more. A bite that is cut open in its
@@ -91,10 +93,10 @@ class Channel {
   /// The sample with this id if it is on the thread, or null.
   const PathSample* find(std::uint64_t id) const;
   /// After each step: finds the abscissae, in order; drops samples behind the tip or past an end
-  /// of their piece of thread, takes up remembered ones, and records the channel as far as the tip has come.
-  /// `blocked`: a surface or layer holds the tip from the inside; what it has come further is the
-  /// motion of that front, not a channel, but for what the tip has gone `along` it (a unit vector,
-  /// or zero where there is no such way).
+  /// of their piece of thread, takes up remembered ones, and records the channel as far as the tip
+  /// has come. `blocked`: a surface or layer holds the tip from the inside; what it has come
+  /// further is the motion of that front, not a channel, but for what the tip has gone `along` it
+  /// (a unit vector, or zero where there is no such way).
   void update(bool blocked, const Vec3& along = Vec3::Zero());
   /// The channel grows as far as the tip has come: samples at their spacing along the needle, each
   /// fixed to the tissue that is there now, and the end at the tip itself.
@@ -112,6 +114,10 @@ class Channel {
   void readvance();
   std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
   std::string fill_bite(Real exit);
+  Real next_mouth(std::size_t i, bool to_end) const;
+  std::optional<EmbeddedPoint> mouth_of(std::size_t i, const Vec3& apart, Real reach);
+  void drop_passed_by();
+  void make_mouth(std::size_t i, PathSample::Kind kind);
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;

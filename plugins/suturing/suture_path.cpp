@@ -160,7 +160,8 @@ void SuturePath::detect(const StepContext& context) {
   }
   // The end of the channel is where the tip was; the section that is there now has to follow it, or
   // a curved needle would be led along its tangent.
-  if (channel.tip_at_end()) crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0, thread_->length()));
+  if (channel.tip_at_end())
+    crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0, thread_->length()));
 }
 
 /// So close that its rows would repeat those of the end of the channel.

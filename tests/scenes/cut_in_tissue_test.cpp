@@ -1,5 +1,6 @@
-// A sewn thread that is cut: its path holds what is left on each side of the cut, and nothing across
-// it. An end that is drawn through the channel comes out, and what is cut off stays where it is.
+// A sewn thread that is cut: its path holds what is left on each side of the cut, and nothing
+// across it. An end that is drawn through the channel comes out, and what is cut off stays where it
+// is.
 #include <numbers>
 
 #include "scenes/text_run.h"
@@ -81,10 +82,9 @@ TEST_P(CutOutside, TheEndOfWhatIsDrawnGoesThroughAndTheRestStays) {
 
 INSTANTIATE_TEST_SUITE_P(
     Sides, CutOutside,
-    ::testing::Combine(
-        ::testing::Values(Outside{"2.4", "2", "-40", "end_position", -1},
-                          Outside{"-6.4", "37", "40", "tip_position", 1}),
-        ::testing::Values("1 ms", "5 ms", "20 ms")));
+    ::testing::Combine(::testing::Values(Outside{"2.4", "2", "-40", "end_position", -1},
+                                         Outside{"-6.4", "37", "40", "tip_position", 1}),
+                       ::testing::Values("1 ms", "5 ms", "20 ms")));
 
 TEST(CutInTissue, BothPiecesStayInTheChannelEachWithItsFriction) {
   // Beams of half a millimetre, one of which is cut, from z = -1.5 to -1 mm.
@@ -109,8 +109,8 @@ TEST(CutInTissue, BothPiecesStayInTheChannelEachWithItsFriction) {
 }
 
 TEST(CutInTissue, BetweenTwoBitesEachPieceKeepsItsOwn) {
-  // Through both lips of a wound, 20 mm with a slit of 0.2 mm at x = 0, and cut there: beams of 1 mm
-  // from x = -15 mm on, so the one from 0 to 1 mm, or from -1 to 0.
+  // Through both lips of a wound, 20 mm with a slit of 0.2 mm at x = 0, and cut there: beams of 1
+  // mm from x = -15 mm on, so the one from 0 to 1 mm, or from -1 to 0.
   TextRun run(
       "<node name='skin'><TetMesh file='../meshes/strip.msh' unit='mm'/><Tissue young='50 kPa' "
       "damping_stiffness='2 ms'/><Attach box='-10 -9 -5  10 9 -5 mm'/></node><SutureThread "
@@ -142,7 +142,8 @@ TEST(CutInTissue, BetweenTwoBitesEachPieceKeepsItsOwn) {
 }
 
 TEST(CutInTissue, ARunGoesOnFromAStateBitByBit) {
-  TextRun run(slab_and_thread("40") + cut_at("2.4") + drawn("2", "-40"), "gravity='0 0 0' dt='5 ms'");
+  TextRun run(slab_and_thread("40") + cut_at("2.4") + drawn("2", "-40"),
+              "gravity='0 0 0' dt='5 ms'");
   ASSERT_TRUE(run) << run.said();
   run.run(0.265);  // the end is 1.7 mm in the slab
   Simulation& simulation = run.simulation();
