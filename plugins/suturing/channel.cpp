@@ -192,12 +192,24 @@ void Channel::find_abscissae() {
   }
 }
 
-/// The end of a piece has gone by: the channel behind it is empty. Where the piece of the tip
-/// begins the tip is, which may come back.
+/// An end of the piece of thread at sample i has gone by. In a mouth it stays until it is a
+/// diameter away: before, it still lies in the surface, with which it would be in contact at once.
+bool Channel::has_lost_its_thread(std::size_t i) const {
+  const PathSample& s = samples_[i];
+  const Pieces::Piece piece = piece_at(i);
+  if (!piece.ends_at(s.abscissa)) return false;
+  if (s.kind == PathSample::Kind::inner || !(piece.low < piece.high)) return true;
+  constexpr Configuration now = Configuration::current;
+  const Vec3 away = thread_.point(s.abscissa, now) - tissue_.position(s.at, now);
+  return away.norm() > 2 * thread_.radius(s.abscissa);
+}
+
+/// The channel behind an end is empty. Where the piece of the tip begins the tip is, which may come
+/// back.
 void Channel::drop_where_thread_ends() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < passed_; ++i)
-    if (!piece_at(i).ends_at(samples_[i].abscissa)) samples_[kept++] = samples_[i];
+    if (!has_lost_its_thread(i)) samples_[kept++] = samples_[i];
   samples_.erase(samples_.begin() + static_cast<std::ptrdiff_t>(kept),
                  samples_.begin() + static_cast<std::ptrdiff_t>(passed_));
   passed_ = kept;

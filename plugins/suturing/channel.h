@@ -110,6 +110,7 @@ class Channel {
   std::size_t index_of(std::uint64_t id) const;
   void find_abscissae();
   void drop_where_thread_ends();
+  bool has_lost_its_thread(std::size_t i) const;
   void retract(bool blocked, const Vec3& along);
   void readvance();
   std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
