@@ -13,6 +13,7 @@ namespace {
 constexpr Real at_end = 0.02;       // a tip that is closer to the end of the channel is at its end
 constexpr Real search_step = 0.25;  // along the needle, for where it goes through the surface
 constexpr Real too_close = 0.5;     // closer samples would hold the same section twice
+constexpr Real longest = 1.5;       // channel between two samples: the last part before an exit
 constexpr Real lost = 2;            // a tip that is further past a sample went another way
 
 constexpr Real mouth = 2;  // in radii of the needle: from so far a tip slides into a mouth
@@ -22,12 +23,13 @@ constexpr Real arc_over_chord = 2;
 }  // namespace
 
 Channel::Channel(const CurveBody& thread, const SolidBody& tissue, Real spacing)
-    : thread_(thread), tissue_(tissue), spacing_(spacing) {
+    : thread_(thread), tissue_(tissue), pieces_(thread), spacing_(spacing) {
   samples_.reserve(256);
 }
 
 bool Channel::tip_inside() const {
-  return passed_ > 0 && samples_[passed_ - 1].kind != PathSample::Kind::exit;
+  return passed_ > 0 && samples_[passed_ - 1].kind != PathSample::Kind::exit &&
+         piece_at(passed_ - 1).low == 0;
 }
 
 Real Channel::tip_depth() const {
@@ -38,14 +40,28 @@ bool Channel::tip_at_end() const {
   return tip_inside() && passed_ == samples_.size() && tip_depth() > end_depth_ - at_end * spacing_;
 }
 
+bool Channel::is_joined(std::size_t i) const {
+  return i > 0 && samples_[i].kind != PathSample::Kind::entry &&
+         samples_[i - 1].kind != PathSample::Kind::exit &&
+         samples_[i - 1].abscissa <= piece_at(i).high;
+}
+
 Channel::Share Channel::share_of(std::size_t i) const {
   const PathSample& s = samples_[i];
+  const Pieces::Piece piece = piece_at(i);
   Share share{s.abscissa, s.abscissa};
-  if (s.kind != PathSample::Kind::entry && i > 0) {
+  // An end that is further away than samples are from each other has gone out of the channel again.
+  if (is_joined(i)) {
     share.high = 0.5 * (s.abscissa + samples_[i - 1].abscissa);
+  } else if (s.kind != PathSample::Kind::entry) {
+    share.high = std::min(piece.high, s.abscissa + longest * spacing_);
   }
   if (s.kind == PathSample::Kind::exit) return share;
-  share.low = i + 1 < passed_ ? 0.5 * (s.abscissa + samples_[i + 1].abscissa) : 0;
+  if (i + 1 < passed_ && is_joined(i + 1)) {
+    share.low = 0.5 * (s.abscissa + samples_[i + 1].abscissa);
+  } else {
+    share.low = piece.low > 0 ? std::max(piece.low, s.abscissa - longest * spacing_) : 0;
+  }
   return share;
 }
 
@@ -151,6 +167,7 @@ const PathSample* Channel::find(std::uint64_t id) const {
 void Channel::update(bool blocked, const Vec3& along) {
   got_out_ = false;
   find_abscissae();
+  drop_where_thread_ends();
   retract(blocked, along);
   readvance();
   if (!tip_inside() || passed_ != samples_.size()) return;
@@ -166,16 +183,41 @@ void Channel::find_abscissae() {
     PathSample& s = samples_[i];
     const Vec3 at = tissue_.position(s.at, Configuration::current);
     const Real before = s.abscissa;
-    s.abscissa = thread_.closest_abscissa(at, std::max(low, before + s.slip), low, thread_.length(),
+    const Pieces::Piece piece = piece_at(i);
+    low = std::max(low, piece.low);
+    s.abscissa = thread_.closest_abscissa(at, std::max(low, before + s.slip), low, piece.high,
                                           Configuration::current);
     s.slip = s.abscissa - before;
     low = s.abscissa;
   }
-  // The end of the thread has gone through: the channel behind it is empty.
-  std::size_t gone = 0;
-  while (gone < passed_ && samples_[gone].abscissa >= thread_.length()) ++gone;
-  samples_.erase(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(gone));
-  passed_ -= gone;
+}
+
+/// An end of the piece of thread at sample i has gone by. In a mouth it stays until it is a
+/// diameter away: before, it still lies in the surface, with which it would be in contact at once.
+bool Channel::has_lost_its_thread(std::size_t i) const {
+  const PathSample& s = samples_[i];
+  const Pieces::Piece piece = piece_at(i);
+  if (!piece.ends_at(s.abscissa)) return false;
+  if (s.kind == PathSample::Kind::inner || !(piece.low < piece.high)) return true;
+  constexpr Configuration now = Configuration::current;
+  const Vec3 away = thread_.point(s.abscissa, now) - tissue_.position(s.at, now);
+  return away.norm() > 2 * thread_.radius(s.abscissa);
+}
+
+/// The channel behind an end is empty. Where the piece of the tip begins the tip is, which may come
+/// back.
+void Channel::drop_where_thread_ends() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < passed_; ++i)
+    if (!has_lost_its_thread(i)) samples_[kept++] = samples_[i];
+  samples_.erase(samples_.begin() + static_cast<std::ptrdiff_t>(kept),
+                 samples_.begin() + static_cast<std::ptrdiff_t>(passed_));
+  passed_ = kept;
+}
+
+void Channel::look_for_cuts() {
+  pieces_.look();
+  drop_where_thread_ends();
 }
 
 /// A tip that has just pierced stands before its mouth, by what the mesh is dented more under it
@@ -236,68 +278,6 @@ void Channel::record(bool blocked) {
   }
 }
 
-Real Channel::cut_to(std::size_t i, const Vec3& point) {
-  constexpr Configuration now = Configuration::current;
-  PathSample& s = samples_[i];
-  std::optional<EmbeddedPoint> to;
-  if (s.kind != PathSample::Kind::inner) {  // a mouth stays on the surface, as long as it reaches
-    if (const auto foot = tissue_.closest_surface(point, thread_.radius(0), now)) to = foot->at;
-  }
-  if (!to) to = tissue_.locate(point, now);
-  s.cut_out = !to;
-  const Vec3 from = tissue_.position(s.at, now);
-  if (to) s.at = *to;
-  return ((to ? tissue_.position(s.at, now) : point) - from).norm();
-}
-
-Real Channel::cut_end_to(const Vec3& point) {
-  constexpr Configuration now = Configuration::current;
-  const Vec3 from = tissue_.position(end_, now);
-  end_ = embed(point);
-  return (tissue_.position(end_, now) - from).norm();
-}
-
-void Channel::drop_cut_out() {
-  const auto is_out = [](const PathSample& s) { return s.cut_out; };
-  if (std::none_of(samples_.begin(), samples_.end(), is_out)) return;
-  const bool was_open = tip_inside();
-  std::vector<PathSample> rest;
-  rest.reserve(samples_.capacity());
-  bool is_open = false;
-  for (std::size_t i = 0; i < passed_;) {
-    // A run of samples of one bite, none of them cut out.
-    std::size_t end = i;
-    bool has_inner = false;
-    for (; end < passed_ && !samples_[end].cut_out; ++end) {
-      if (end > i && samples_[end].kind == PathSample::Kind::entry) break;
-      has_inner = has_inner || samples_[end].kind == PathSample::Kind::inner;
-    }
-    if (end == i) {
-      ++i;
-      continue;
-    }
-    PathSample &first = samples_[i], &last = samples_[end - 1];
-    const bool from_mouth = first.kind == PathSample::Kind::entry;
-    const bool to_mouth = last.kind == PathSample::Kind::exit;
-    const bool to_tip = end == passed_ && !to_mouth;
-    const bool whole = from_mouth && (to_mouth || to_tip);
-    if (whole || (has_inner && end - i > 1)) {
-      first.kind = PathSample::Kind::entry;
-      if (!to_tip) last.kind = PathSample::Kind::exit;
-      rest.insert(rest.end(), &first, &last + 1);
-      is_open = to_tip;
-    }
-    i = end;
-  }
-  const std::size_t passed = rest.size();
-  // What a retracting tip has left goes on from the open bite.
-  if (is_open == was_open)
-    rest.insert(rest.end(), samples_.begin() + static_cast<std::ptrdiff_t>(passed_),
-                samples_.end());
-  samples_.swap(rest);
-  passed_ = passed;
-}
-
 void Channel::archive(Archive& a) {
   a.list("samples", samples_, [](Archive& each, PathSample& s) {
     each("id", s.id);
@@ -308,6 +288,7 @@ void Channel::archive(Archive& a) {
     each("lateral_force", s.lateral_force);
     each("kind", s.kind);
   });
+  pieces_.archive(a);
   a("passed", passed_);
   a("end_depth", end_depth_);
   a("end", end_);

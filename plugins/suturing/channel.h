@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pieces.h"
 #include "sutura/body.h"
 
 namespace sutura {
@@ -24,7 +25,8 @@ struct PathSample {
   Real slip = 0;  ///< change of the abscissa over the last step (m): positive when the tip advances
   Real lateral_force = 0;  ///< across the thread in the last step (N)
   enum class Kind { entry, inner, exit } kind = Kind::inner;
-  bool cut_out = false;  ///< until drop_cut_out
+  bool cut_out = false;    ///< until drop_cut_out
+  bool passed_by = false;  ///< by a mouth, likewise
 };
 
 /// Samples are kept in the order of passage: all before `passed` are on the thread, those after it
@@ -51,13 +53,18 @@ class Channel {
   /// Length of thread or needle inside the tissue (m), over all bites.
   Real inserted_length() const;
   /// What sample i stands for: the thread between half way to its neighbours, from abscissa `low`
-  /// to `high` (m). The last one before the tip has all that is between it and the tip. The lengths
-  /// add up to inserted_length.
+  /// to `high` (m). The last one before the tip has all that is between it and the tip, the one
+  /// beside an end of the thread, or of what a cut has left, all that is between it and that end.
+  /// The lengths add up to inserted_length.
   struct Share {
     Real low = 0;
     Real high = 0;
   };
   Share share_of(std::size_t i) const;
+  /// Whether sample i and the one before it hold one stretch of thread, in one bite.
+  bool is_joined(std::size_t i) const;
+  /// The piece of thread that is at sample i.
+  Pieces::Piece piece_at(std::size_t i) const { return pieces_.of(samples_[i].abscissa); }
 
   /// Whether the tip could slide in at `point` without puncture: through the mouth of a channel
   /// that is remembered but empty.
@@ -71,10 +78,13 @@ class Channel {
   /// recorded before is gone. Returns what of the thread is not as a sewn one is, or nothing
   /// (sewn.cpp).
   std::string sew();
+  /// Looks where the thread has been cut since the last step: what a cut beam spans is no thread.
+  void look_for_cuts();
   PathSample& sample(std::size_t i) { return samples_[i]; }
   /// The thread has cut sideways through the tissue, so that sample i of the channel, or its end,
-  /// is at `point` now. Returns how far it has moved (m): a mouth at an edge of the tissue stays
-  /// there until the thread is past it.
+  /// is at `point` now; a mouth is where the thread, as far away as it is from there, goes through
+  /// the surface. Returns how far it has moved across the thread (m): a mouth at an edge of the
+  /// tissue stays there until the thread is past it. (side_cut.cpp)
   Real cut_to(std::size_t i, const Vec3& point);
   Real cut_end_to(const Vec3& point);
   /// What has been cut out of the tissue is on the thread no more. A bite that is cut open in its
@@ -82,11 +92,11 @@ class Channel {
   void drop_cut_out();
   /// The sample with this id if it is on the thread, or null.
   const PathSample* find(std::uint64_t id) const;
-  /// After each step: finds the abscissae, in order; drops samples behind the tip or past the end
-  /// of the thread, takes up remembered ones, and records the channel as far as the tip has come.
-  /// `blocked`: a surface or layer holds the tip from the inside; what it has come further is the
-  /// motion of that front, not a channel, but for what the tip has gone `along` it (a unit vector,
-  /// or zero where there is no such way).
+  /// After each step: finds the abscissae, in order; drops samples behind the tip or past an end
+  /// of their piece of thread, takes up remembered ones, and records the channel as far as the tip
+  /// has come. `blocked`: a surface or layer holds the tip from the inside; what it has come
+  /// further is the motion of that front, not a channel, but for what the tip has gone `along` it
+  /// (a unit vector, or zero where there is no such way).
   void update(bool blocked, const Vec3& along = Vec3::Zero());
   /// The channel grows as far as the tip has come: samples at their spacing along the needle, each
   /// fixed to the tissue that is there now, and the end at the tip itself.
@@ -99,10 +109,16 @@ class Channel {
   /// Index of the sample with this id, or the number of samples.
   std::size_t index_of(std::uint64_t id) const;
   void find_abscissae();
+  void drop_where_thread_ends();
+  bool has_lost_its_thread(std::size_t i) const;
   void retract(bool blocked, const Vec3& along);
   void readvance();
   std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
   std::string fill_bite(Real exit);
+  Real next_mouth(std::size_t i, bool to_end) const;
+  std::optional<EmbeddedPoint> mouth_of(std::size_t i, const Vec3& apart, Real reach);
+  void drop_passed_by();
+  void make_mouth(std::size_t i, PathSample::Kind kind);
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;
@@ -113,6 +129,7 @@ class Channel {
 
   const CurveBody& thread_;
   const SolidBody& tissue_;
+  Pieces pieces_;
   Real spacing_;
   std::vector<PathSample> samples_;
   std::size_t passed_ = 0;

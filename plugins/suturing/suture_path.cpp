@@ -123,13 +123,13 @@ void SuturePath::archive(Archive& a) {
   a("cut", cut_);
 }
 
-Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low) const {
+Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low,
+                           Real high) const {
   constexpr Configuration now = Configuration::current;
   Crossing c;
   c.id = id;
   c.position = tissue_->position(at, now);
-  c.abscissa =
-      thread_->closest_abscissa(c.position, std::max(before, low), low, thread_->length(), now);
+  c.abscissa = thread_->closest_abscissa(c.position, std::max(before, low), low, high, now);
   const Vec3 tangent = thread_->tangent(c.abscissa, now);
   c.axes.row(0) = tangent;
   c.axes.row(1) = tangent.unitOrthogonal();
@@ -141,8 +141,9 @@ Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real befor
   return c;
 }
 
-void SuturePath::detect(const StepContext&) {
+void SuturePath::detect(const StepContext& context) {
   blocked_by_.reset();
+  if (context.pass == 0) channel_->look_for_cuts();
   const Channel& channel = *channel_;
   sample_crossings_ = channel.passed();
   crossings_.resize(sample_crossings_);
@@ -151,14 +152,16 @@ void SuturePath::detect(const StepContext&) {
   Real low = 0;
   for (std::size_t i = channel.passed(); i-- > 0;) {
     const PathSample& s = channel.samples()[i];
-    crossings_[i] = cross(s.at, s.id, s.abscissa, low);
+    const Pieces::Piece piece = channel.piece_at(i);
+    crossings_[i] = cross(s.at, s.id, s.abscissa, std::max(low, piece.low), piece.high);
     crossings_[i].sample = i;
     crossings_[i].share = channel.share_of(i);
     low = crossings_[i].abscissa;
   }
   // The end of the channel is where the tip was; the section that is there now has to follow it, or
   // a curved needle would be led along its tangent.
-  if (channel.tip_at_end()) crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0));
+  if (channel.tip_at_end())
+    crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0, thread_->length()));
 }
 
 /// So close that its rows would repeat those of the end of the channel.
@@ -210,19 +213,18 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
   }
 }
 
-/// Bites follow each other along the path: each from the sample of its entry to that of its exit.
+/// Bites follow each other along the path: each from the sample of its entry to that of its exit,
+/// or as far as the thread goes.
 void SuturePath::inside(std::vector<Stretch>& out) const {
   out.clear();
-  Stretch bite;
   const std::size_t samples = channel_->passed();
   for (std::size_t i = 0; i < samples; ++i) {
     const PathSample& s = channel_->samples()[i];
     const Real guess = i < sample_crossings_ ? crossings_[i].abscissa : s.abscissa;
     const auto [low, high] = std::minmax(s.abscissa, guess);
-    if (i == 0 || s.kind == PathSample::Kind::entry) bite = {low, high};
-    bite.low = std::min(bite.low, low);
-    if (i + 1 == samples && s.kind != PathSample::Kind::exit) bite.low = 0;
-    if (i + 1 == samples || s.kind == PathSample::Kind::exit) out.push_back(bite);
+    const Channel::Share share = channel_->share_of(i);
+    if (!channel_->is_joined(i)) out.push_back({low, std::max(high, share.high)});
+    out.back().low = std::min({out.back().low, low, share.low});
   }
 }
 

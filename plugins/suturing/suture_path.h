@@ -65,8 +65,8 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Vec3 way_along_block(const ConstraintBuilder& builder) const;
 
  private:
-  /// `before`: the abscissa at the start of the step; `low`: that of the sample nearer to the tip.
-  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low) const;
+  /// `before`: the abscissa at the start of the step; between `low` and `high` it is now.
+  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low, Real high) const;
 
   Link<CurveBody> thread_;
   Link<SolidBody> tissue_;

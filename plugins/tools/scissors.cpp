@@ -61,8 +61,9 @@ void Scissors::describe(Describe<Scissors>& d) {
       "stays with each of its ends. So the thread gets shorter by up to a beam on each side, and "
       "stays one chain for the solver. It is cut for good. A needle is not cut, nor is a thread "
       "that is sampled anew ('sampling_angle'). The blades themselves touch nothing.\n\n"
-      "What is inside of a tissue, led by a SuturePath, is not meant to be cut: the path goes on "
-      "as if the thread were whole.");
+      "Of a sewn thread, a SuturePath holds what is left on each side: inside of a tissue, both "
+      "pieces stay in the channel, each with its friction; an end that is drawn through leaves "
+      "the channel empty behind it, and does not find back into it.");
   d.link("body", &Scissors::body_, "Only this is cut; left out: any thread.").named_only();
   describe_space(d, "scissors", "blades", "blades");
   d.attribute("times", &Scissors::times_, "s", at_least(0), "Times at which the blades close.");
