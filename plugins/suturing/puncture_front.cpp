@@ -193,21 +193,33 @@ Puncture::Front Puncture::find_exit() {
   return Front::exit;
 }
 
-/// What the tip would come out of if it went in now, as far as the tissue springs back over it.
-void Puncture::find_far_side() {
-  far_side_.is_near = false;
-  if (front_ != Front::entry) return;
+/// What the tip would come to if it went through its front now, as far as the tissue springs back
+/// over it: where it would come out again, or into the next wall of the same tissue.
+void Puncture::find_walls_behind() {
+  walls_behind_ = 0;
+  if (front_ != Front::entry && front_ != Front::exit) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const Vec3 forward = -thread.tangent(0, start);
-  const Vec3 from = tissue.position(touched_.at, start);
+  Vec3 from = tissue.position(touched_.at, start);
   const Real dent = (from - tissue.position(touched_.at, Configuration::rest)).norm();
   const Real motion = (thread.point(0, Configuration::current) - thread.point(0, start)).norm();
-  const auto hit = tissue.crossing(from, from + (reach_ + motion + dent) * forward, start, forward);
-  if (!hit) return;
-  far_side_.touched = *hit;
-  lay(far_side_.footprint, Front::exit, *hit);
-  far_side_.is_near = far_side_.footprint.normal(tissue, start).dot(forward) > along;
+  const Vec3 to = from + (reach_ + motion + dent) * forward;
+  Front front = front_;
+  for (Wall& wall : behind_) {
+    front = front == Front::entry ? Front::exit : Front::entry;
+    const Real side = front == Front::exit ? 1 : -1;
+    // Two walls that touch may overlap by a little.
+    if (front == Front::entry) from -= well_inside * reach_ * forward;
+    const auto hit = tissue.crossing(from, to, start, side * forward);
+    if (!hit) return;
+    wall.front = front;
+    wall.touched = *hit;
+    lay(wall.footprint, front, *hit);
+    if (side * wall.footprint.normal(tissue, start).dot(forward) <= along) return;
+    from = hit->position;
+    ++walls_behind_;
+  }
 }
 
 /// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the
