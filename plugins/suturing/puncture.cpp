@@ -63,7 +63,8 @@ void Puncture::describe(Describe<Puncture>& d) {
            [](const Puncture& p) { return Real(p.count_); });
   d.output("overruns", "1",
            "Times the tip was found inside without a puncture (the mesh is too coarse for the "
-           "indentation), or outside again (the step is too long for what is as thin).",
+           "indentation), outside again or past a whole wall (the step is too long for what is "
+           "as thin, or walls overlap).",
            [](const Puncture& p) { return Real(p.overruns_); });
   d.output("state", "",
            "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or "
@@ -117,7 +118,7 @@ void Puncture::detect(const StepContext& context) {
   }
   const bool meets = front_ == Front::none && context.pass > 0 && meet_on_the_way();
   if (meets) lay_footprint();
-  if (meets || context.pass == 0) find_walls_behind();
+  find_walls_behind(meets || context.pass == 0);
   if (front_ != Front::none && front_ != Front::overrun) follow(front_, footprint_, touched_);
   for (std::size_t k = 0; k < walls_behind_; ++k)
     follow(behind_[k].front, behind_[k].footprint, behind_[k].touched);
@@ -239,7 +240,9 @@ void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
 std::string Puncture::fault() const {
   if (front_ == Front::overrun) return "the tip got in without a puncture (an overrun)";
   if (got_out_) return "the tip got out without a puncture (an overrun): the step is too long";
-  if (passed_by_) return "the tip got through a wall without a puncture (an overrun)";
+  if (passed_by_)
+    return "the tip got through a wall without a puncture (an overrun): the step is too long, or "
+           "walls overlap for want of a Contact";
   if (!overloads_) return {};
   char text[160];
   std::snprintf(text, sizeof text,

@@ -46,7 +46,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   bool is_beside(Real reach) const;
   Front find_exit();
   Front find_layer();
-  void find_walls_behind();
+  void find_walls_behind(bool anew);
   void commit_front(const SolvedBlocks& solved);
   void commit_walls_behind(const SolvedBlocks& solved);
   void go_through(Front front, const SurfacePoint& touched, bool goes_on);
@@ -86,7 +86,8 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   static constexpr std::size_t most_walls = 3;  ///< a front and they: two plates, in and out
   std::array<Wall, most_walls> behind_;         ///< in the order in which the tip would meet them
   std::size_t walls_behind_ = 0;
-  int region_ = 0;  ///< of the layer the tip has got into
+  Real sought_ = 0;  ///< for a motion of the tip of so much (m)
+  int region_ = 0;   ///< of the layer the tip has got into
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far
