@@ -254,18 +254,25 @@ void Channel::fill(Real depth, Real abscissa) {
 }
 
 bool Channel::has_passed_wall() const {
-  constexpr Configuration now = Configuration::current;
   if (passed_ == 0) return false;
-  const bool inside = tip_inside();
-  std::size_t mouth = passed_ - 1;
-  if (inside)
-    while (mouth > 0 && samples_[mouth].kind != PathSample::Kind::entry) --mouth;
-  const Real end = samples_[mouth].abscissa - thread_.radius(0);
-  Vec3 from = tip();
-  for (Real s = 0; s < end;) {
-    s = std::min(s + search_step * spacing_, end);
+  std::size_t mouth = passed_ - 1;  // of the last bite
+  while (mouth > 0 && samples_[mouth].kind != PathSample::Kind::entry) --mouth;
+  const Real entry = samples_[mouth].abscissa, clear = thread_.radius(0);
+  if (tip_inside()) return goes_through_surface(0, entry - clear, 1);
+  const Real exit = samples_[passed_ - 1].abscissa;
+  return goes_through_surface(0, exit - clear, -1) ||
+         goes_through_surface(exit + clear, entry - clear, 1);
+}
+
+/// Whether the needle goes through a surface between two sections of it. `side`: 1 if the surface
+/// faces against the way of the tip, -1 if it faces along.
+bool Channel::goes_through_surface(Real low, Real high, Real side) const {
+  constexpr Configuration now = Configuration::current;
+  Vec3 from = thread_.point(low, now);
+  for (Real s = low; s < high;) {
+    s = std::min(s + search_step * spacing_, high);
     const Vec3 to = thread_.point(s, now), back = thread_.tangent(s, now);
-    if (tissue_.crossing(from, to, now, inside ? back : Vec3(-back))) return true;
+    if (tissue_.crossing(from, to, now, side * back)) return true;
     from = to;
   }
   return false;

@@ -95,8 +95,9 @@ class Channel {
   void record(bool blocked = false);
   /// Whether the tip was found outside since the last update although no surface has let it out.
   bool got_out() const { return got_out_; }
-  /// Whether a wall of the tissue is on the needle between the tip and the last mouth: a surface
-  /// that faces as that mouth does. To be asked when the tip has just gone through a surface.
+  /// Whether a wall of the tissue is on the needle where none is known: between the tip and the
+  /// last mouth a surface that faces as that mouth does, or in a bite that has just ended another
+  /// way in. To be asked when the tip has just gone through a surface.
   bool has_passed_wall() const;
   void archive(Archive& archive);
 
@@ -109,6 +110,7 @@ class Channel {
   std::optional<Real> find_mouth(Real from, Real to, const Vec3& facing) const;
   std::string fill_bite(Real exit);
   void fill(Real depth, Real abscissa);
+  bool goes_through_surface(Real low, Real high, Real side) const;
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;
