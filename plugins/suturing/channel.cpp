@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "sutura/archive.h"
@@ -111,20 +112,29 @@ EmbeddedPoint Channel::embed(const Vec3& point) const {
 }
 
 /// Where the needle behind its tip goes through the surface: after a sudden puncture that is not
-/// quite where the tip pressed. `facing`: the way its outward normal leans.
+/// quite where the tip pressed. `facing`: the way its outward normal leans. The tip may be through
+/// other surfaces that lean that way as well.
 EmbeddedPoint Channel::mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const {
   const Real reach = search_length(tissue_.position(pressed, Configuration::current));
+  const Vec3 place = tissue_.position(pressed, Configuration::current);
   Vec3 from = tip();
+  Real least = std::numeric_limits<Real>::infinity();
+  EmbeddedPoint mouth = pressed;
   for (Real s = 0; s < reach;) {
     s = std::min(s + search_step * spacing_, reach);
     const Vec3 to = thread_.point(s, Configuration::current);
-    if (const auto hit = tissue_.crossing(from, to, Configuration::current, facing)) return hit->at;
+    const auto hit = tissue_.crossing(from, to, Configuration::current, facing);
+    const Real distance = hit ? (hit->position - place).norm() : least;
+    if (distance < least) {
+      least = distance;
+      mouth = hit->at;
+    }
     from = to;
   }
-  return pressed;
+  return mouth;
 }
 
-void Channel::enter(const EmbeddedPoint& pressed) {
+void Channel::enter(const EmbeddedPoint& pressed, bool goes_on) {
   samples_.resize(passed_);  // what an earlier, abandoned channel left
   const EmbeddedPoint mouth = mouth_at_needle(pressed, -advance_direction());
   const Vec3 at = tissue_.position(mouth, Configuration::current);
@@ -133,7 +143,7 @@ void Channel::enter(const EmbeddedPoint& pressed) {
   end_ = mouth;
   end_depth_ = 0;
   ahead_ = lead_ = std::max(advance_direction().dot(at - tip()), Real(0));
-  record();
+  if (!goes_on) record();
 }
 
 void Channel::leave(const EmbeddedPoint& pressed) {
@@ -144,7 +154,9 @@ void Channel::leave(const EmbeddedPoint& pressed) {
   const Real s =
       thread_.closest_abscissa(at, 0, 0, std::max(last.abscissa, Real(0)), Configuration::current);
   const Real depth = last.depth + std::max(last.abscissa - s, Real(0));
-  if (last.kind == PathSample::Kind::inner && depth - last.depth < too_close * spacing_) {
+  fill(depth, s);
+  const PathSample& before = samples_.back();
+  if (before.kind == PathSample::Kind::inner && depth - before.depth < too_close * spacing_) {
     samples_.pop_back();
   }
   push(mouth, depth, s, PathSample::Kind::exit);
@@ -164,13 +176,13 @@ const PathSample* Channel::find(std::uint64_t id) const {
   return i < passed_ ? &samples_[i] : nullptr;
 }
 
-void Channel::update(bool blocked, const Vec3& along) {
+void Channel::update(bool blocked, const Vec3& along, bool let_out) {
   got_out_ = false;
   find_abscissae();
   drop_where_thread_ends();
   retract(blocked, along);
   readvance();
-  if (!tip_inside() || passed_ != samples_.size()) return;
+  if (!tip_inside() || passed_ != samples_.size() || let_out) return;
   const Vec3 from_end = tip() - tissue_.position(end_, Configuration::current);
   if (!blocked || along.dot(from_end) > at_end * spacing_) record(blocked);
 }
@@ -271,11 +283,41 @@ void Channel::record(bool blocked) {
   }
   end_ = embed(tip());
   end_depth_ = depth;
+  fill(depth, 0);
+}
+
+/// Samples at their spacing up to this depth, where this section of the needle is.
+void Channel::fill(Real depth, Real abscissa) {
   while (depth - samples_.back().depth >= spacing_) {
     const Real next = samples_.back().depth + spacing_;
-    const Real s = depth - next;
+    const Real s = abscissa + depth - next;
     push(embed(thread_.point(s, Configuration::current)), next, s, PathSample::Kind::inner);
   }
+}
+
+bool Channel::has_passed_wall() const {
+  if (passed_ == 0) return false;
+  std::size_t mouth = passed_ - 1;  // of the last bite
+  while (mouth > 0 && samples_[mouth].kind != PathSample::Kind::entry) --mouth;
+  const Real entry = samples_[mouth].abscissa, clear = thread_.radius(0);
+  if (tip_inside()) return goes_through_surface(0, entry - clear, 1);
+  const Real exit = samples_[passed_ - 1].abscissa;
+  return goes_through_surface(0, exit - clear, -1) ||
+         goes_through_surface(exit + clear, entry - clear, 1);
+}
+
+/// Whether the needle goes through a surface between two sections of it. `side`: 1 if the surface
+/// faces against the way of the tip, -1 if it faces along.
+bool Channel::goes_through_surface(Real low, Real high, Real side) const {
+  constexpr Configuration now = Configuration::current;
+  Vec3 from = thread_.point(low, now);
+  for (Real s = low; s < high;) {
+    s = std::min(s + search_step * spacing_, high);
+    const Vec3 to = thread_.point(s, now), back = thread_.tangent(s, now);
+    if (tissue_.crossing(from, to, now, side * back)) return true;
+    from = to;
+  }
+  return false;
 }
 
 void Channel::archive(Archive& a) {

@@ -71,7 +71,8 @@ class Channel {
   bool mouth_near(const Vec3& point) const;
 
   /// The tip has just gone through the surface where it pressed, into the tissue: begins a bite.
-  void enter(const EmbeddedPoint& pressed);
+  /// `goes_on`: it has also gone through what is behind; `leave` will end the bite there.
+  void enter(const EmbeddedPoint& pressed, bool goes_on = false);
   /// The tip has just left the tissue where it pressed.
   void leave(const EmbeddedPoint& pressed);
   /// What of the thread lies in the tissue now is in its channel, bite after bite; what was
@@ -96,13 +97,18 @@ class Channel {
   /// of their piece of thread, takes up remembered ones, and records the channel as far as the tip
   /// has come. `blocked`: a surface or layer holds the tip from the inside; what it has come
   /// further is the motion of that front, not a channel, but for what the tip has gone `along` it
-  /// (a unit vector, or zero where there is no such way).
-  void update(bool blocked, const Vec3& along = Vec3::Zero());
+  /// (a unit vector, or zero where there is no such way). `let_out`: a surface has just let the tip
+  /// out; `leave` will end the bite there, wherever the tip is now.
+  void update(bool blocked, const Vec3& along = Vec3::Zero(), bool let_out = false);
   /// The channel grows as far as the tip has come: samples at their spacing along the needle, each
   /// fixed to the tissue that is there now, and the end at the tip itself.
   void record(bool blocked = false);
   /// Whether the tip was found outside since the last update although no surface has let it out.
   bool got_out() const { return got_out_; }
+  /// Whether a wall of the tissue is on the needle where none is known: between the tip and the
+  /// last mouth a surface that faces as that mouth does, or in a bite that has just ended another
+  /// way in. To be asked when the tip has just gone through a surface.
+  bool has_passed_wall() const;
   void archive(Archive& archive);
 
  private:
@@ -119,6 +125,8 @@ class Channel {
   std::optional<EmbeddedPoint> mouth_of(std::size_t i, const Vec3& apart, Real reach);
   void drop_passed_by();
   void make_mouth(std::size_t i, PathSample::Kind kind);
+  void fill(Real depth, Real abscissa);
+  bool goes_through_surface(Real low, Real high, Real side) const;
   void push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSample::Kind kind);
   EmbeddedPoint mouth_at_needle(const EmbeddedPoint& pressed, const Vec3& facing) const;
   EmbeddedPoint embed(const Vec3& point) const;

@@ -63,7 +63,8 @@ void Puncture::describe(Describe<Puncture>& d) {
            [](const Puncture& p) { return Real(p.count_); });
   d.output("overruns", "1",
            "Times the tip was found inside without a puncture (the mesh is too coarse for the "
-           "indentation), or outside again (the step is too long for what is as thin).",
+           "indentation), outside again or past a whole wall (the step is too long for what is "
+           "as thin, or walls overlap).",
            [](const Puncture& p) { return Real(p.overruns_); });
   d.output("state", "",
            "Contact of the tip: free, pressing (a surface from outside), layer (the next layer) or "
@@ -117,9 +118,10 @@ void Puncture::detect(const StepContext& context) {
   }
   const bool meets = front_ == Front::none && context.pass > 0 && meet_on_the_way();
   if (meets) lay_footprint();
-  if (meets || context.pass == 0) find_far_side();
+  find_walls_behind(meets || context.pass == 0);
   if (front_ != Front::none && front_ != Front::overrun) follow(front_, footprint_, touched_);
-  if (far_side_.is_near) follow(Front::exit, far_side_.footprint, far_side_.touched);
+  for (std::size_t k = 0; k < walls_behind_; ++k)
+    follow(behind_[k].front, behind_[k].footprint, behind_[k].touched);
   path_->set_tip_blocked({});
   if (blocked_) path_->set_tip_blocked(SuturePath::Block{touched_.normal, key_of(front_, count_)});
 }
@@ -161,7 +163,8 @@ void Puncture::follow(Front front, const Footprint& footprint, SurfacePoint& tou
 }
 
 void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
-  block_ = far_side_.block = {};
+  block_ = {};
+  for (Wall& wall : behind_) wall.block = {};
   force_ = 0;
   if (front_ == Front::none || front_ == Front::overrun) return;
   threshold_here_ = threshold_at(front_, touched_);
@@ -169,12 +172,18 @@ void Puncture::build(const StepContext&, ConstraintBuilder& builder) {
   // Only what has gone in can come out again: before, the two sides may contradict each other, as
   // at the edge of a block, and both forces would grow up to their thresholds. The key is that of
   // the next step, in which the tip faces it.
-  const Key entry = key_of(front_, count_);
-  const bool is_through =
-      builder.known_mode(entry, PunctureLaw::pressing) == PunctureLaw::penetrated;
-  if (far_side_.is_near && is_through)
-    far_side_.block =
-        add_block(builder, Front::exit, far_side_.footprint, far_side_.touched, count_ + 1);
+  const auto is_through = [&](Front front, Index count) {
+    const Mode mode = builder.known_mode(key_of(front, count), PunctureLaw::pressing);
+    return mode == PunctureLaw::penetrated;
+  };
+  bool before = is_through(front_, count_);
+  path_->set_tip_let_out(before && front_ == Front::exit);
+  Index count = count_;
+  for (std::size_t k = 0; k < walls_behind_ && before; ++k) {
+    Wall& wall = behind_[k];
+    wall.block = add_block(builder, wall.front, wall.footprint, wall.touched, ++count);
+    before = is_through(wall.front, count);
+  }
 }
 
 /// Every front has a key of its own, so that it does not begin in the mode of the one before.
@@ -217,19 +226,23 @@ BlockId Puncture::add_block(ConstraintBuilder& builder, Front front, const Footp
 void Puncture::commit(const StepContext&, const SolvedBlocks& solved) {
   if (front_ == Front::overrun) {
     ++overruns_;
-    begin_bite();
+    begin_bite(touched_, false);
   }
   overloads_ = false;
+  passed_by_ = false;
   let_out_ = false;
   if (!block_.valid()) presses_ = false;
   if (block_.valid()) commit_front(solved);
   got_out_ = path_->channel().got_out() && !let_out_;
-  if (got_out_) ++overruns_;
+  if (got_out_ || passed_by_) ++overruns_;
 }
 
 std::string Puncture::fault() const {
   if (front_ == Front::overrun) return "the tip got in without a puncture (an overrun)";
   if (got_out_) return "the tip got out without a puncture (an overrun): the step is too long";
+  if (passed_by_)
+    return "the tip got through a wall without a puncture (an overrun): the step is too long, or "
+           "walls overlap for want of a Contact";
   if (!overloads_) return {};
   char text[160];
   std::snprintf(text, sizeof text,
@@ -256,20 +269,28 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
   // At the end of this step the force is that of the pierced state. The largest one was the
   // threshold, at which the puncture fired.
   peak_force_ = std::max(peak_force_, threshold_here_);
+  go_through(front_, touched_, goes_through_wall(solved, 0));
+  commit_walls_behind(solved);
+  // What holds the tip is the mean of a surface: it may be past some facets of that, and of a wall
+  // that lies against it.
+  passed_by_ = !presses_ && path_->channel().has_passed_wall();
+}
+
+/// `goes_on`: through what is behind that as well.
+void Puncture::go_through(Front front, const SurfacePoint& touched, bool goes_on) {
   ++count_;
+  let_out_ = front == Front::exit;
   Channel& channel = path_->channel();
-  switch (front_) {
+  switch (front) {
     case Front::entry:
-      begin_bite();
-      if (far_side_.block.valid()) commit_far_side(solved);
+      begin_bite(touched, goes_on);
       break;
     case Front::layer:
       channel.record();
-      region_ = path_->tissue().region(touched_.at);
+      region_ = path_->tissue().region(touched.at);
       break;
     case Front::exit:
-      if (channel.tip_inside()) channel.leave(touched_.at);
-      let_out_ = true;
+      if (channel.tip_inside()) channel.leave(touched.at);
       break;
     case Front::none:
     case Front::overrun:
@@ -277,32 +298,41 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
   }
 }
 
-/// The tip has gone in, and on to the far side: it presses there, or is through that too.
-void Puncture::commit_far_side(const SolvedBlocks& solved) {
-  const bool goes_through = solved.mode(far_side_.block) == PunctureLaw::penetrated;
-  const Real force = goes_through ? threshold_at(Front::exit, far_side_.touched)
-                                  : far_side_.touched.normal.dot(solved.force(far_side_.block));
-  if (!(force > 0)) return;
-  peak_force_ = std::max(peak_force_, force);
-  overloads_ = overloads_ || force > (1 + rounding) * far_side_.footprint.bears();
-  if (goes_through) {
-    ++count_;
-    if (path_->channel().tip_inside()) path_->channel().leave(far_side_.touched.at);
-    let_out_ = true;
-    return;
-  }
-  presses_ = true;
-  lifted_ = false;
-  place_ = Front::exit;
-  touched_ = far_side_.touched;
-  std::swap(footprint_, far_side_.footprint);
+bool Puncture::goes_through_wall(const SolvedBlocks& solved, std::size_t wall) const {
+  if (wall >= walls_behind_ || !behind_[wall].block.valid()) return false;
+  return solved.mode(behind_[wall].block) == PunctureLaw::penetrated;
 }
 
-void Puncture::begin_bite() {
+/// The tip has gone through its front, and on to what is behind: it presses there, or is through
+/// that too.
+void Puncture::commit_walls_behind(const SolvedBlocks& solved) {
+  for (std::size_t k = 0; k < walls_behind_ && behind_[k].block.valid(); ++k) {
+    Wall& wall = behind_[k];
+    const bool goes_through = goes_through_wall(solved, k);
+    const Real threshold = threshold_at(wall.front, wall.touched);
+    const Real force = goes_through ? threshold : wall.touched.normal.dot(solved.force(wall.block));
+    if (!(force > 0)) return;
+    peak_force_ = std::max(peak_force_, force);
+    overloads_ = overloads_ || force > (1 + rounding) * wall.footprint.bears();
+    if (goes_through) {
+      go_through(wall.front, wall.touched, goes_through_wall(solved, k + 1));
+      continue;
+    }
+    presses_ = true;
+    lifted_ = false;
+    place_ = wall.front;
+    threshold_here_ = threshold;
+    touched_ = wall.touched;
+    std::swap(footprint_, wall.footprint);
+    return;
+  }
+}
+
+void Puncture::begin_bite(const SurfacePoint& touched, bool goes_on) {
   // Beside an old mouth the tip may have slid into that channel in the same step: then the bite has
   // begun already.
-  if (!path_->channel().tip_inside()) path_->channel().enter(touched_.at);
-  region_ = path_->tissue().region(touched_.at);
+  if (!path_->channel().tip_inside()) path_->channel().enter(touched.at, goes_on);
+  region_ = path_->tissue().region(touched.at);
 }
 
 }  // namespace sutura::suturing

@@ -2,6 +2,7 @@
 // section 4.2).
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "cutting.h"
@@ -45,10 +46,12 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   bool is_beside(Real reach) const;
   Front find_exit();
   Front find_layer();
-  void find_far_side();
+  void find_walls_behind(bool anew);
   void commit_front(const SolvedBlocks& solved);
-  void commit_far_side(const SolvedBlocks& solved);
-  void begin_bite();
+  void commit_walls_behind(const SolvedBlocks& solved);
+  void go_through(Front front, const SurfacePoint& touched, bool goes_on);
+  bool goes_through_wall(const SolvedBlocks& solved, std::size_t wall) const;
+  void begin_bite(const SurfacePoint& touched, bool goes_on);
   void follow(Front front, const Footprint& footprint, SurfacePoint& touched) const;
   BlockId add_block(ConstraintBuilder& builder, Front front, const Footprint& footprint,
                     const SurfacePoint& touched, Index count) const;
@@ -72,22 +75,26 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Front place_ = Front::none;  ///< which of the two
   bool lifted_ = false;        ///< but it bore no force in the last step
   SurfacePoint touched_;       ///< normal: out of what the tip would go into
-  /// The surface behind an entry. Through something thin the tip would be past it in the step in
-  /// which it goes in.
-  struct FarSide {
-    bool is_near = false;  ///< so near that the tip may get there in this step
+  /// A surface behind the front, so near that the tip may get there in the step in which it goes
+  /// through the front: the far side of what it goes into, or the next wall of the same tissue.
+  struct Wall {
+    Front front = Front::none;  ///< entry or exit, in turn
     SurfacePoint touched;
     Footprint footprint;
     BlockId block;
   };
-  FarSide far_side_;
-  int region_ = 0;  ///< of the layer the tip has got into
+  static constexpr std::size_t most_walls = 3;  ///< a front and they: two plates, in and out
+  std::array<Wall, most_walls> behind_;         ///< in the order in which the tip would meet them
+  std::size_t walls_behind_ = 0;
+  Real sought_ = 0;  ///< for a motion of the tip of so much (m)
+  int region_ = 0;   ///< of the layer the tip has got into
   BlockId block_;
   Real threshold_here_ = 0;  ///< of the front (N)
   Index count_ = 0;          ///< punctures so far
   Index overruns_ = 0;
   bool let_out_ = false;    ///< through the surface in the last step
   bool got_out_ = false;    ///< in the last step, without a puncture
+  bool passed_by_ = false;  ///< a whole wall, in the last step, without a puncture
   bool overloads_ = false;  ///< what it presses on, in the last step
   Real force_ = 0;          ///< along the normal (N)
   Real peak_force_ = 0;     ///< largest so far (N)

@@ -193,21 +193,35 @@ Puncture::Front Puncture::find_exit() {
   return Front::exit;
 }
 
-/// What the tip would come out of if it went in now, as far as the tissue springs back over it.
-void Puncture::find_far_side() {
-  far_side_.is_near = false;
-  if (front_ != Front::entry) return;
+/// What the tip would come to if it went through its front now, as far as the tissue springs back
+/// over it: where it would come out again, or into the next wall of the same tissue. Those that are
+/// known stay; a guess that goes further than the one before may come to more.
+void Puncture::find_walls_behind(bool anew) {
+  if (anew) walls_behind_ = 0;
+  if (front_ != Front::entry && front_ != Front::exit) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
-  const Vec3 forward = -thread.tangent(0, start);
-  const Vec3 from = tissue.position(touched_.at, start);
-  const Real dent = (from - tissue.position(touched_.at, Configuration::rest)).norm();
   const Real motion = (thread.point(0, Configuration::current) - thread.point(0, start)).norm();
-  const auto hit = tissue.crossing(from, from + (reach_ + motion + dent) * forward, start, forward);
-  if (!hit) return;
-  far_side_.touched = *hit;
-  lay(far_side_.footprint, Front::exit, *hit);
-  far_side_.is_near = far_side_.footprint.normal(tissue, start).dot(forward) > along;
+  if (!anew && motion <= sought_) return;
+  sought_ = motion;
+  const Vec3 forward = -thread.tangent(0, start);
+  const Vec3 first = tissue.position(touched_.at, start);
+  const Real dent = (first - tissue.position(touched_.at, Configuration::rest)).norm();
+  const Vec3 to = first + (reach_ + motion + dent) * forward;
+  for (; walls_behind_ < most_walls; ++walls_behind_) {
+    const Wall* before = walls_behind_ > 0 ? &behind_[walls_behind_ - 1] : nullptr;
+    Wall& wall = behind_[walls_behind_];
+    wall.front = (before ? before->front : front_) == Front::entry ? Front::exit : Front::entry;
+    Vec3 from = before ? tissue.position(before->touched.at, start) : first;
+    // Two walls that touch may overlap by a little.
+    if (wall.front == Front::entry) from -= well_inside * reach_ * forward;
+    const Real side = wall.front == Front::exit ? 1 : -1;
+    const auto hit = tissue.crossing(from, to, start, side * forward);
+    if (!hit) return;
+    wall.touched = *hit;
+    lay(wall.footprint, wall.front, *hit);
+    if (side * wall.footprint.normal(tissue, start).dot(forward) <= along) return;
+  }
 }
 
 /// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the

@@ -144,6 +144,7 @@ Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real befor
 void SuturePath::detect(const StepContext& context) {
   blocked_by_.reset();
   if (context.pass == 0) channel_->look_for_cuts();
+  tip_let_out_ = false;
   const Channel& channel = *channel_;
   sample_crossings_ = channel.passed();
   crossings_.resize(sample_crossings_);
@@ -276,7 +277,7 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
     }
   }
   if (strength_ > 0) cut(solved);
-  channel_->update(tip_blocked(), way_along_);
+  channel_->update(tip_blocked(), way_along_, tip_let_out_);
   lateral_gap_ = 0;
   for (std::size_t i = 0; i < channel_->passed(); ++i) {
     const PathSample& s = channel_->samples()[i];

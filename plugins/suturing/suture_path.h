@@ -60,6 +60,8 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   };
   void set_tip_blocked(const std::optional<Block>& by) { blocked_by_ = by; }
   bool tip_blocked() const { return blocked_by_.has_value(); }
+  /// A surface has given way to the tip from the inside, at the last guess.
+  void set_tip_let_out(bool out) { tip_let_out_ = out; }
   /// The unit vector along what holds the tip in which the needle leads it there: that way lies
   /// tissue that is to be cut. Zero where it leads straight at it, or has gone through.
   Vec3 way_along_block(const ConstraintBuilder& builder) const;
@@ -92,6 +94,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;
   std::optional<Block> blocked_by_;
+  bool tip_let_out_ = false;
   Vec3 way_along_ = Vec3::Zero();  ///< way_along_block at the last guess
   Real lateral_force_ = 0;         ///< largest over the samples (N)
   Real lateral_gap_ = 0;           ///< largest distance thread - channel (m)
