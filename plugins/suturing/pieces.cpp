@@ -9,13 +9,12 @@ Pieces::Pieces(const CurveBody& thread) : thread_(thread) {
   const auto* cuttable = dynamic_cast<const Cuttable*>(&thread);
   if (cuttable == nullptr || !cuttable->uncuttable().empty()) return;
   cuttable_ = dynamic_cast<const SegmentedCurve*>(&thread);
-  look();
-  gaps_.reserve(beams_.size());
 }
 
 void Pieces::look() {
   if (cuttable_ == nullptr) return;
   cuttable_->segments(Configuration::current, beams_);
+  gaps_.reserve(beams_.size());
   gaps_.clear();
   for (const CurveSegment& beam : beams_) {
     if (!beam.cut) continue;

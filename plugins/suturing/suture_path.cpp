@@ -99,6 +99,7 @@ void SuturePath::initialise(Setup& setup) {
 /// Again, because the nodes of the thread have moved to where they are held. The first time told a
 /// Contact what is inside.
 void SuturePath::ready(Setup& setup) {
+  channel_->look_for_cuts();  // makes room for the beams
   if (sewn_) return sew(setup);
   const auto& all = setup.scene->components();
   if (std::none_of(all.begin(), all.end(),

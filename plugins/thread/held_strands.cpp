@@ -15,9 +15,13 @@ constexpr Real taut = 1e-4;     // strain
 
 }  // namespace
 
+void HeldStrands::begin(const Rod& rod) {
+  in_flight_ = 0;
+  known_to_.assign(rod.springs().size(), open);
+}
+
 void HeldStrands::end_step(const Rod& rod, Real time_error) {
   const std::vector<NodeSpring>& springs = rod.springs();
-  known_to_.resize(springs.size(), open);
   for (std::size_t k = 0; k < springs.size(); ++k) {
     if (!springs[k].active)
       known_to_[k] = open;
@@ -67,9 +71,10 @@ std::string HeldStrands::doubt(const Rod& rod, const RodGuess& guess) const {
   return {};
 }
 
-void HeldStrands::archive(Archive& a) {
+void HeldStrands::archive(Archive& a, const Rod& rod) {
   a("in_flight", in_flight_);
   a("known_to", known_to_);
+  if (known_to_.size() != rod.springs().size()) a.fail("the holds of another thread");
 }
 
 }  // namespace sutura::thread

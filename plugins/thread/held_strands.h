@@ -14,11 +14,13 @@ namespace sutura::thread {
 
 class HeldStrands {
  public:
+  /// Nothing has been held yet.
+  void begin(const Rod& rod);
   /// A step has ended, which has cost so much (m; RodStep::time_error).
   void end_step(const Rod& rod, Real time_error);
   /// A strand whose tension is not known, in a sentence; empty if there is none.
   std::string doubt(const Rod& rod, const RodGuess& guess) const;
-  void archive(Archive& archive);
+  void archive(Archive& archive, const Rod& rod);
 
  private:
   Real known_to(const Rod& rod, Index node) const;

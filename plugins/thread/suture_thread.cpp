@@ -32,7 +32,7 @@ void SutureThread::archive(Archive& a) {
     each("tension", limit.tension);
   });
   a("factored", factored_);
-  held_strands_.archive(a);
+  held_strands_.archive(a, rod_);
 }
 
 /// Uniform on needle and thread, with a node at the swage and at every hold. A node closer to a
@@ -117,6 +117,7 @@ void SutureThread::build() {
     resampler_.reserve(rod_, most);
     sample_start();
   }
+  held_strands_.begin(rod_);
   start_moving();
 }
 
