@@ -193,21 +193,23 @@ void Contact::keep_what_carries(const ConstraintBuilder& builder) {
   });
 }
 
-/// The force of a touch turns with its normal, which linear rows do not know: passes would go to
-/// and fro where that is stiffer than the bodies. So what the normal resists is said as springs,
-/// about the guess: without force there, and gone with the pass.
+/// The force of a touch turns with its normal as one strand shifts along the other, which linear
+/// rows do not know: passes would go to and fro where that is stiffer than the bodies. So what the
+/// normal resists is said as springs, about the guess: without force there, and gone with the pass.
+/// They are between the two strands: held in space, a light thread with a tight knot would neither
+/// fall nor swing.
 void Contact::stiffen(const StepContext& context, const Touch& t, ConstraintBuilder& builder) {
   const Real force = builder.known_force(make_key(source_id_, t.id));
   if (!(force > 0)) return;
-  const auto spring = [&](bool first, Real stiffness, const Vec3& along) {
+  const auto spring = [&](bool of_first, Real stiffness, const Vec3& along) {
     if (!(stiffness > 0)) return;
     // A name for this pass only: what it carried is not taken on.
     const std::uint64_t pass = static_cast<std::uint64_t>(context.pass & 255);
-    const std::uint64_t name = (std::uint64_t{1} << 39) | (t.id << 9) | (pass << 1) | first;
+    const std::uint64_t name = (std::uint64_t{1} << 39) | (t.id << 9) | (pass << 1) | of_first;
     const BlockId block =
         builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness}, BlockVector<1>(0));
     const Vec3 across = (along - along.dot(t.normal) * t.normal).normalized();
-    pair_->couple_alone(t, first, block, across, builder);
+    pair_->couple_shift(t, of_first, block, across, builder);
   };
   spring(false, force * t.first_bend, t.first_tangent);
   spring(true, force * t.second_bend, t.second_tangent);

@@ -325,13 +325,18 @@ void CurveCurve::couple(const Touch& t, BlockId block, const Directions& axes,
   builder.couple(block, second_, -axes, J, t.at);
 }
 
-void CurveCurve::couple_alone(const Touch& t, bool first, BlockId block, const Vec3& direction,
+void CurveCurve::couple_shift(const Touch& t, bool of_first, BlockId block, const Vec3& direction,
                               ConstraintBuilder& builder) const {
-  // Of the centreline: a strand that rolls turns no normal.
+  const SegmentedCurve &shifted = of_first ? first_ : second_, &other = of_first ? second_ : first_;
+  const Real at = of_first ? t.first_place : t.second_place;
+  const Real beside = of_first ? t.second_place : t.first_place;
+  const Vec3 between = t.second_arm - t.first_arm;  // centre of the first from that of the second
   PointJacobian J;
-  const SegmentedCurve& curve = first ? first_ : second_;
-  curve.jacobian(first ? t.first_place : t.second_place, J);
-  builder.couple(block, curve, direction.transpose(), J, t.at);
+  // Of the centreline: a strand that rolls turns no normal.
+  shifted.jacobian(at, J);
+  builder.couple(block, shifted, direction.transpose(), J, t.at);
+  other.surface_jacobian(beside, of_first ? between : Vec3(-between), J);
+  builder.couple(block, other, -direction.transpose(), J, t.at);
 }
 
 Pair::Tolerance CurveCurve::tolerance(const Touch& t) const {

@@ -16,7 +16,7 @@ class CurveCurve : public Pair {
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
-  void couple_alone(const Touch& touch, bool first, BlockId block, const Vec3& direction,
+  void couple_shift(const Touch& touch, bool of_first, BlockId block, const Vec3& direction,
                     ConstraintBuilder& builder) const override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;

@@ -70,8 +70,9 @@ class Pair {
   virtual Vec3 slip(const Touch& touch) const = 0;
   virtual void couple(const Touch& touch, BlockId block, const Directions& axes,
                       ConstraintBuilder& builder) const = 0;
-  /// Rows of the motion of one of the two alone, along `direction`.
-  virtual void couple_alone(const Touch& /*touch*/, bool /*first*/, BlockId /*block*/,
+  /// Row of how far one of the two shifts along the other: its centre along `direction`, as seen
+  /// from the section of the other there. A rigid motion of both is no shift.
+  virtual void couple_shift(const Touch& /*touch*/, bool /*of_first*/, BlockId /*block*/,
                             const Vec3& /*direction*/, ConstraintBuilder& /*builder*/) const {}
   /// After the step: the force on the first.
   virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}

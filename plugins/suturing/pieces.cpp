@@ -6,9 +6,8 @@
 namespace sutura::suturing {
 
 Pieces::Pieces(const CurveBody& thread) : thread_(thread) {
-  const auto* cuttable = dynamic_cast<const Cuttable*>(&thread);
-  if (cuttable == nullptr || !cuttable->uncuttable().empty()) return;
-  cuttable_ = dynamic_cast<const SegmentedCurve*>(&thread);
+  if (dynamic_cast<const Cuttable*>(&thread) != nullptr)
+    cuttable_ = dynamic_cast<const SegmentedCurve*>(&thread);
 }
 
 void Pieces::look() {

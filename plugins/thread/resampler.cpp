@@ -43,6 +43,7 @@ void Resampler::reserve(const Rod& rod, Index beams) {
   layout_.rest.reserve(nodes);
   layout_.start.reserve(nodes);
   layout_.sections.reserve(nodes);
+  layout_.cut.reserve(nodes);
   velocity_.reserve(6 * static_cast<Index>(nodes));
   for (auto* reals : {&twist_, &old_abscissa_}) reals->reserve(nodes);
   changed_.reserve(nodes);
@@ -62,6 +63,7 @@ void Resampler::apply(Rod& rod, const std::vector<Real>& abscissa,
   plan_nodes(rod, rest, section);
   plan_halves(rod);
   plan_twist(rod);
+  plan_cuts(rod);
   mark_neighbours(rod);
   rebuild(rod);
   keep_strain(rod);
@@ -121,6 +123,17 @@ void Resampler::plan_twist(const Rod& rod) {
       ++i;
       break;
     }
+}
+
+/// Beams that are cut keep their ends.
+void Resampler::plan_cuts(const Rod& rod) {
+  const std::vector<Real>& abscissa = layout_.abscissa;
+  layout_.cut.clear();
+  for (Index e = 0; e < rod.beams(); ++e) {
+    if (!rod.is_cut(e)) continue;
+    const auto from = std::lower_bound(abscissa.begin(), abscissa.end(), rod.abscissa()[e] - 1e-12);
+    layout_.cut.push_back(from - abscissa.begin());
+  }
 }
 
 /// The neighbours of a node that goes give momentum back too.

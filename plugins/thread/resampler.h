@@ -24,6 +24,7 @@ class Resampler {
                   const std::function<Section(Real)>& section);
   void plan_twist(const Rod& rod);
   void plan_halves(const Rod& rod);
+  void plan_cuts(const Rod& rod);
   void mark_neighbours(const Rod& rod);
   void rebuild(Rod& rod);
   void keep_strain(Rod& rod) const;

@@ -70,6 +70,10 @@ void Rod::build(const RodLayout& layout) {
   }
   twist_.assign(n - 1, 0);
   cut_.assign(n - 1, 0);
+  for (const Index e : layout.cut) {
+    cut_[static_cast<std::size_t>(e)] = 1;
+    renew(e);
+  }
   velocity_.clear(dofs());
   clamped_.clear();
   springs_.clear();

@@ -20,6 +20,7 @@ struct RodLayout {
   std::vector<Pose> rest;         ///< section poses at rest, x axis = tangent
   std::vector<Pose> start;        ///< section poses at the beginning
   std::vector<Section> sections;  ///< one per beam
+  std::vector<Index> cut = {};    ///< beams that bear nothing, ascending
 };
 
 /// A section tied to a pose by a spring (Hold of a grasper). The turn from the section to the

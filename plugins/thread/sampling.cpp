@@ -77,7 +77,7 @@ bool sample(const Rod& rod, const SamplingRules& rules, SamplingWork& work) {
   split.assign(static_cast<std::size_t>(n), 0);
   const auto length = [&](Index e) { return s[e + 1] - s[e]; };
   const auto fixed = [&](Index e) {
-    return s[e] < rules.from - 1e-9 || rod.stretches().is_rigid(e);
+    return s[e] < rules.from - 1e-9 || rod.stretches().is_rigid(e) || rod.is_cut(e);
   };
   for (Index e = 0; e < n; ++e) {
     if (fixed(e)) continue;

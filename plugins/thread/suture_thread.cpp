@@ -164,18 +164,18 @@ void SutureThread::end_step(const StepContext&, const VecX& force) {
   if (sampling_angle > 0) resample();
 }
 
+/// What is cut is rigid no more. A beam that may be split is lost at its shortest only.
 void SutureThread::cut(Real s) {
-  cut_beam(place(rod_, s).beam);
-}
-
-/// What is cut is rigid no more.
-void SutureThread::cut_beam(Index beam) {
+  Index beam = place(rod_, s).beam;
   if (rod_.stretches().is_rigid(beam)) release(rod_.stretches().body_of(beam));
+  while (sampling_angle > 0 && rod_.element(beam).length >= 2 * shortest_beam) {
+    std::vector<Real>& nodes = sampling_work_.nodes;
+    nodes = rod_.abscissa();
+    nodes.insert(nodes.begin() + beam + 1, (nodes[beam] + nodes[beam + 1]) / 2);
+    place_nodes(nodes);
+    beam = place(rod_, s).beam;
+  }
   rod_.cut(beam);
-}
-
-std::string SutureThread::uncuttable() const {
-  return sampling_angle > 0 ? "a thread with 'sampling_angle' cannot be cut: its beams change" : "";
 }
 
 void SutureThread::bear(const std::vector<LimitTension>& limits) {
@@ -205,17 +205,20 @@ void SutureThread::break_where_too_taut() {
     most = tension;
     weakest = e;
   }
-  if (weakest >= 0) cut_beam(weakest);
+  if (weakest >= 0) cut((rod_.abscissa()[weakest] + rod_.abscissa()[weakest + 1]) / 2);
 }
 
 void SutureThread::resample() {
   sampling_change_ = 0;
   if (!rod_.finite() || !sample(rod_, rules_, sampling_work_)) return;
   const Real elastic = rod_.elastic_energy(), energy = elastic + rod_.kinetic_energy();
-  resampler_.apply(
-      rod_, sampling_work_.nodes, [&](Real s) { return shape_.rest(s); },
-      [&](Real s) { return section(s); });
+  place_nodes(sampling_work_.nodes);
   if (energy > 0) sampling_change_ = std::abs(rod_.elastic_energy() - elastic) / energy;
+}
+
+void SutureThread::place_nodes(const std::vector<Real>& abscissae) {
+  resampler_.apply(
+      rod_, abscissae, [&](Real s) { return shape_.rest(s); }, [&](Real s) { return section(s); });
   step_.fit(rod_);
 }
 

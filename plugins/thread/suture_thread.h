@@ -109,7 +109,6 @@ class SutureThread : public Component,
 
   // Cuttable
   void cut(Real s) override;
-  std::string uncuttable() const override;
 
   // RigidStretches
   std::optional<std::pair<Real, Real>> rigid_range(Real from, Real to) const override;
@@ -156,7 +155,7 @@ class SutureThread : public Component,
   void resample();
   Real tension_of(Index beam, const ElementState& state) const;
   void break_where_too_taut();
-  void cut_beam(Index beam);
+  void place_nodes(const std::vector<Real>& abscissae);
   Index node_at(Real s) const;
 
   Rod rod_;

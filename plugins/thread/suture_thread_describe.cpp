@@ -106,7 +106,7 @@ void SutureThread::describe(Describe<SutureThread>& d) {
   d.attribute(
       "strength", &T::strength, "N", between(0, 1e6),
       "Tension (see ThreadProbe) at which the thread breaks, at the end of the step and for good, "
-      "in the beam with the largest; 0: never. Not together with 'sampling_angle'.");
+      "in the beam with the largest; 0: never.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
               "Linearisations of a step, at least; more follow until the tolerance of the scene is "
               "met.");

@@ -21,7 +21,6 @@ void SutureThread::initialise(Setup& setup) {
   if (plane_normal.norm() < 1e-9 ||
       (!by_centre && aslant < 1e-6 * tip_direction.norm() * plane_normal.norm()))
     setup.error(*this, "plane_normal must not be zero nor parallel to tip_direction");
-  if (strength > 0 && sampling_angle > 0) setup.error(*this, "strength: " + uncuttable());
   const Real shortest_beams = sampling_angle > 0 ? thread_length / shortest_beam : 0;
   if (shortest_beams > most_beams)
     setup.error(*this, "shortest_beam: a thread of " + format_real(thread_length) +

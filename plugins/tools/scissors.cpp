@@ -18,7 +18,6 @@ void Scissors::initialise(Setup& setup) {
     const Target target{dynamic_cast<SegmentedCurve*>(c), dynamic_cast<Cuttable*>(c)};
     if (target.curve == nullptr || target.thread == nullptr) continue;
     if (body_ && body_.get() != static_cast<const Body*>(target.curve)) continue;
-    if (const std::string why = target.thread->uncuttable(); !why.empty()) setup.error(*this, why);
     targets_.push_back(target);
   }
   if (targets_.empty())
@@ -59,8 +58,8 @@ void Scissors::describe(Describe<Scissors>& d) {
       "that passes through it when they close is cut in the middle of what is in the box: the beam "
       "there bears nothing from then on, touches nothing and is not drawn, and half of its mass "
       "stays with each of its ends. So the thread gets shorter by up to a beam on each side, and "
-      "stays one chain for the solver. It is cut for good. A needle is not cut, nor is a thread "
-      "that is sampled anew ('sampling_angle'). The blades themselves touch nothing.\n\n"
+      "stays one chain for the solver. It is cut for good. A thread with 'sampling_angle' is first "
+      "split there down to its shortest beams. A needle is not cut. The blades touch nothing.\n\n"
       "Of a sewn thread, a SuturePath holds what is left on each side: inside of a tissue, both "
       "pieces stay in the channel, each with its friction; an end that is drawn through leaves "
       "the channel empty behind it, and does not find back into it.");

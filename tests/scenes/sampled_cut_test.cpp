@@ -1,0 +1,64 @@
+// A thread that is sampled anew and cut: what it loses is one of its shortest beams, and both pieces
+// go on being sampled.
+#include <gtest/gtest.h>
+
+#include "scenes/text_run.h"
+
+namespace sutura::testing {
+namespace {
+
+// The cut beam is 0.5 mm long: beams of 8 mm are halved until they are shorter than 1 mm.
+constexpr const char* coarse = " thread_beams='5' sampling_angle='0.2' shortest_beam='0.5 mm'";
+
+TEST(SampledCut, WhatIsBelowFallsAndTheRestCarriesTheRest) {
+  constexpr Real density = 910, young = 1.5e9, gravity = 9.81, h = 5e-3, n = 40;
+  TextRun run("<SutureThread name='a' needle_length='0' tip_direction='0 0 1' plane_normal='0 1 0' "
+              "thread_length='40 mm' clamp='start'" +
+                  std::string(coarse) +
+                  "/><Scissors centre='0 0 -20.4 mm' axis='1 0 0' size='2 2 1 mm' times='0.1 s'/>",
+              "dt='5 ms' gravity='0 0 -9.81'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.1);
+  const Real before = run.vector("/a", "end_position").z();
+  run.run(0.3);
+  EXPECT_EQ(run.number("/a", "cuts"), 1);
+  // What implicit Euler falls in n steps: beams that are merged on the way change nothing of it.
+  EXPECT_NEAR(run.vector("/a", "end_position").z(), before - h * h * gravity * n * (n + 1) / 2,
+              1e-8);
+  // The topmost beam is still 8 mm long, and the cut one goes from 20 to 20.5 mm: half of it hangs
+  // at the upper piece.
+  const Real strain = density * gravity * (20.25e-3 - 4e-3) / young;
+  EXPECT_NEAR(run.number("/a", "largest_strain"), strain, 1e-6 * strain);
+  EXPECT_EQ(run.simulation().report().missed_steps, 0);
+}
+
+TEST(SampledCut, TheHalvesOfALoopSpringOpen) {
+  // A hand turns the end of the thread round to where it begins, 10 mm above, the bend is cut, and
+  // the pieces come to rest: each straight in the direction in which it is held.
+  TextRun run("<SutureThread name='a' needle_length='0' tip_direction='-1 0 0' "
+              "plane_normal='0 0 1' thread_length='40 mm' damping_mass='50 1/s' "
+              "damping_stiffness='1 ms'" +
+                  std::string(coarse) +
+                  "/><Track name='still' times='0' positions='0 0 0'/>"
+                  "<Track name='way' centre='40 0 0 mm' times='0 0.5 s' positions='0 0 0  -40 10 0 "
+                  "mm' rotations='0 0 0  0 0 180 deg'/>"
+                  "<Grasper name='left' at='0' track='still'/>"
+                  "<Grasper name='right' at='40 mm' track='way'/>"
+                  "<ThreadProbe name='upto' at='20 mm'/><ThreadProbe name='from' at='20.5 mm'/>"
+                  "<Scissors track='still' centre='15 5.2 0 mm' size='15 2 2 mm' times='0.6 s'/>",
+              "dt='5 ms' gravity='0 0 0'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.6);
+  EXPECT_GT(run.number("/a", "beams"), 12);  // as the bend asks for
+  run.run(2);
+  EXPECT_EQ(run.number("/a", "cuts"), 1);
+  EXPECT_LT((run.vector("/upto", "position") - Vec3(20e-3, 0, 0)).norm(), 1e-6);
+  EXPECT_LT((run.vector("/from", "position") - Vec3(19.5e-3, 10e-3, 0)).norm(), 1e-6);
+  EXPECT_EQ(run.simulation().report().missed_steps, 0);
+  // What was asked for by the bend alone has been merged again; the neighbours of the cut beam are
+  // no more than twice as long as it is.
+  EXPECT_LE(run.number("/a", "beams"), 17);
+}
+
+}  // namespace
+}  // namespace sutura::testing
