@@ -195,8 +195,7 @@ void RodGuess::add_beam(const Rod& rod, const RodStart& start, Index e) {
   missing.segment<3>(6 * e + 6) += xb - p.xb;
   missing.segment<3>(6 * e + 9) += sb - p.sb;
 
-  // A strain of 1e-10 is rounding.
-  const Real inner = g.v.norm() + 1e-10 * r.axial, outer = (weight.norm() / 2) / dt;
+  const Real inner = g.v.norm() + strain_rounding * r.axial, outer = (weight.norm() / 2) / dt;
   at_work[e].force += inner + p.xa.norm() / dt + outer;
   at_work[e + 1].force += inner + p.xb.norm() / dt + outer;
   at_work[e].add_moment(g.a, s.ta);

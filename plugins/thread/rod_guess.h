@@ -52,6 +52,9 @@ struct ConstraintForce {
   Real work(const Rod& rod, Index node, const Dofs& motion) const;
 };
 
+/// So little strain is rounding.
+constexpr Real strain_rounding = 1e-10;
+
 /// The sum of the sizes of what acts on a node, on its own and through its beams.
 struct AtWork {
   Real force = 0;    ///< N

@@ -210,7 +210,35 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
     worst.force = std::max(worst.force, size);
     worst.relative = std::max(worst.relative, relative);
   }
+  worst.relative = std::max(worst.relative, imbalance_of_whole(rod, force, everywhere));
   return worst;
+}
+
+/// What is missing of the balance of all of a rod, beside the forces from outside and of inertia. A
+/// light thread with a tight knot weighs less than what its nodes there may be out of balance.
+Real RodStep::imbalance_of_whole(const Rod& rod, const Dofs& force, Real everywhere) const {
+  if (!rod.clamped().empty()) return 0;
+  Vec3 missing = Vec3::Zero(), pushed = Vec3::Zero();
+  Real at_work = rod.mass() * start_.gravity.norm(), rounding = 0;
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    missing += guess_.missing.segment<3>(6 * i) / start_.dt;
+    pushed += force.segment<3>(6 * i);
+    at_work += start_.load.segment<3>(6 * i).norm();
+  }
+  for (Index e = 0; e < rod.beams(); ++e) {
+    const auto mean = [e](const DofVector& v) {
+      return Vec3((v.segment<3>(6 * e) + v.segment<3>(6 * e + 6)) / 2);
+    };
+    rounding = std::max(rounding, 2 * strain_rounding * rod.element(e).axial);
+    const Vec3 now = mean(rod.velocity());
+    at_work += rod.element(e).mass * ((now - mean(start_.velocity)).norm() / start_.dt +
+                                      start_.damping.mass * now.norm());
+  }
+  for (const NodeSpring& spring : rod.springs())
+    if (spring.active) at_work += guess_.wrench(rod, spring).force.norm();
+  at_work += pushed.norm() + rounding;
+  const Real beyond = (missing + pushed).norm() - negligible * everywhere;
+  return beyond > 0 ? beyond / at_work : Real(0);
 }
 
 Real RodStep::time_error(const Rod& rod) const {

@@ -77,6 +77,7 @@ class RodStep {
 
  private:
   void set_start(Real dt);
+  Real imbalance_of_whole(const Rod& rod, const Dofs& force, Real everywhere) const;
   void take_change(Rod& rod);
   bool is_compressed(const Rod& rod) const;
   void assemble_unpushed(const Rod& rod, Real convex);

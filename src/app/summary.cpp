@@ -49,6 +49,9 @@ void Summary::add(const StepReport& report) {
   sweeps_.add(static_cast<double>(report.solve.sweeps), report.step);
   residual_.add(report.solve.residual, report.step);
   violation_.add(report.violation, report.step);
+  Real force = 0;
+  for (const BodyReport& b : report.bodies) force = std::max(force, b.imbalance.force);
+  imbalance_.add(force, report.step);
   time_error_.add(report.worst_time_error(), report.step);
 }
 
@@ -97,6 +100,7 @@ std::string Summary::text(double wall_seconds) const {
   row("sweeps", sweeps_);
   row("residual", residual_);
   row("violation [m]", violation_);
+  row("imbalance [N]", imbalance_);
   row("time error [m]", time_error_);
   append(out,
          "  %.3g passes a step, at most %ld; %ld of %ld steps divided, into at most %ld parts\n",

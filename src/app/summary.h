@@ -57,7 +57,7 @@ class Summary {
   std::map<std::string, Kind> faults_, notes_;
   Index faulty_ = 0;  ///< solved steps with faults
   std::array<double, stage_names.size()> seconds_{};
-  Track blocks_, rows_, sweeps_, residual_, violation_, time_error_;
+  Track blocks_, rows_, sweeps_, residual_, violation_, imbalance_, time_error_;
 };
 
 }  // namespace sutura::app

@@ -7,8 +7,8 @@
 namespace sutura::testing {
 namespace {
 
-// The cut beam is 0.5 mm long: beams of 8 mm are halved until they are shorter than 1 mm.
-constexpr const char* coarse = " thread_beams='5' sampling_angle='0.2' shortest_beam='0.5 mm'";
+// The cut beam is 0.5 mm long: beams of 8 mm are halved until they are shorter than 0.9 mm.
+constexpr const char* coarse = " thread_beams='5' sampling_angle='0.2' shortest_beam='0.45 mm'";
 
 TEST(SampledCut, WhatIsBelowFallsAndTheRestCarriesTheRest) {
   constexpr Real density = 910, young = 1.5e9, gravity = 9.81, h = 5e-3, n = 40;
@@ -49,15 +49,14 @@ TEST(SampledCut, TheHalvesOfALoopSpringOpen) {
               "dt='5 ms' gravity='0 0 0'");
   ASSERT_TRUE(run) << run.said();
   run.run(0.6);
-  EXPECT_GT(run.number("/a", "beams"), 12);  // as the bend asks for
+  EXPECT_GT(run.number("/a", "beams"), 30);  // as the bend asks for
   run.run(2);
   EXPECT_EQ(run.number("/a", "cuts"), 1);
   EXPECT_LT((run.vector("/upto", "position") - Vec3(20e-3, 0, 0)).norm(), 1e-6);
   EXPECT_LT((run.vector("/from", "position") - Vec3(19.5e-3, 10e-3, 0)).norm(), 1e-6);
   EXPECT_EQ(run.simulation().report().missed_steps, 0);
-  // What was asked for by the bend alone has been merged again; the neighbours of the cut beam are
-  // no more than twice as long as it is.
-  EXPECT_LE(run.number("/a", "beams"), 17);
+  // What the bend alone asked for has been merged again, but for the neighbours of the cut beam.
+  EXPECT_LT(run.number("/a", "beams"), 20);
 }
 
 }  // namespace
