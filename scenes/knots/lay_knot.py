@@ -103,12 +103,14 @@ def write(points, name, row=0.1):
 
 
 def main(hands, name):
+    """Lays a knot out; returns what a scene has to say of it, in mm."""
     knot = Knot()
     points = write(curve(knot, [1 if c == "+" else -1 for c in hands]), name)
     s = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     low = np.abs(points[:, 2] + knot.apart / 2) < 0.05
     left, right = (s[low][np.argmin(np.abs(points[low][:, 0] - x))] for x in (-LEG, LEG))
     print(f"left {left:.3f} mm, right {right:.3f} mm")
+    return {"length": s[-1], "tip": points[0], "left": left, "right": right}
 
 
 if __name__ == "__main__":

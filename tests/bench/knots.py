@@ -4,7 +4,7 @@
 map   scenes/knots/overhand.xml drawn from e = 165 to 16 diameters (e: by how much the thread is longer than its ends are apart), at
       several steps, speeds and frictions: the share of the steps that miss their tolerance, until e = 27 diameters and after that.
 work  the same drawn to 27 diameters within 0.3 s and held: error of the pull against processor time for a simulated second, over the
-      length of the step, the number of beams, the tolerance, and with a knot that may become rigid. Each is the mean of several draws, which differ by
+      length of the step, the number of beams, sampling, the tolerance, and with a knot that may become rigid. Each is the mean of several draws, which differ by
       a damping of no account: which touches carry the force is chaotic. The reference has the shortest step, the most beams and a
       tenth of the tolerance.
 
@@ -92,8 +92,11 @@ def work_settings():
         yield "step", f"{dt} ms", {".dt": f"{dt} ms"}
     for beams in (140, 200, 280, 400, 560):
         yield "beams", f"{beams} beams", {"/suture.thread_beams": beams}
+    for angle, shortest in ((0.4, 0.2), (0.3, 0.2), (0.2, 0.1), (0.1, 0.1)):
+        yield "sampled", f"{angle} rad", {"/suture.thread_beams": 70, "/suture.sampling_angle": f"{angle} rad", "/suture.shortest_beam": f"{shortest} mm"}
     for tolerance in (0.1, 0.03, 0.01, 0.003, 0.001):
         yield "tolerance", f"tolerance {tolerance}", {".tolerance": tolerance}
+    yield "sampled", "0.3 rad, tolerance 0.001", {"/suture.thread_beams": 70, "/suture.sampling_angle": "0.3 rad", "/suture.shortest_beam": "0.2 mm", ".tolerance": 0.001}
     yield "rigid", "rigid", {"Knots": '<Knots rigidify="true"/>'}
     yield "reference", "reference", {".dt": "1.25 ms", "/suture.thread_beams": 560, ".tolerance": 0.001}
 
@@ -147,7 +150,7 @@ def draw_work(rows, path):
     reference, spread_of_it, _ = means["reference", "reference"]
     print(f"reference {reference:.2f} mN, standard error of the mean {spread_of_it:.2f}")
     figure, axis = plot.subplots(figsize=(8, 4.8))
-    for line, marker in (("step", "o-"), ("beams", "s-"), ("tolerance", "^-"), ("rigid", "D")):
+    for line, marker in (("step", "o-"), ("beams", "s-"), ("sampled", "v-"), ("tolerance", "^-"), ("rigid", "D")):
         points = [(seconds, 100 * (pull / reference - 1), 100 * spread / reference, name)
                   for (of, name), (pull, spread, seconds) in means.items() if of == line]
         if not points:

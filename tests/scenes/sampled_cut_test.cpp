@@ -1,5 +1,5 @@
-// A thread that is sampled anew and cut: what it loses is one of its shortest beams, and both pieces
-// go on being sampled.
+// A thread that is sampled anew and cut: what it loses is one of its shortest beams, and both
+// pieces go on being sampled.
 #include <gtest/gtest.h>
 
 #include "scenes/text_run.h"
@@ -12,11 +12,12 @@ constexpr const char* coarse = " thread_beams='5' sampling_angle='0.2' shortest_
 
 TEST(SampledCut, WhatIsBelowFallsAndTheRestCarriesTheRest) {
   constexpr Real density = 910, young = 1.5e9, gravity = 9.81, h = 5e-3, n = 40;
-  TextRun run("<SutureThread name='a' needle_length='0' tip_direction='0 0 1' plane_normal='0 1 0' "
-              "thread_length='40 mm' clamp='start'" +
-                  std::string(coarse) +
-                  "/><Scissors centre='0 0 -20.4 mm' axis='1 0 0' size='2 2 1 mm' times='0.1 s'/>",
-              "dt='5 ms' gravity='0 0 -9.81'");
+  TextRun run(
+      "<SutureThread name='a' needle_length='0' tip_direction='0 0 1' plane_normal='0 1 0' "
+      "thread_length='40 mm' clamp='start'" +
+          std::string(coarse) +
+          "/><Scissors centre='0 0 -20.4 mm' axis='1 0 0' size='2 2 1 mm' times='0.1 s'/>",
+      "dt='5 ms' gravity='0 0 -9.81'");
   ASSERT_TRUE(run) << run.said();
   run.run(0.1);
   const Real before = run.vector("/a", "end_position").z();
@@ -35,18 +36,19 @@ TEST(SampledCut, WhatIsBelowFallsAndTheRestCarriesTheRest) {
 TEST(SampledCut, TheHalvesOfALoopSpringOpen) {
   // A hand turns the end of the thread round to where it begins, 10 mm above, the bend is cut, and
   // the pieces come to rest: each straight in the direction in which it is held.
-  TextRun run("<SutureThread name='a' needle_length='0' tip_direction='-1 0 0' "
-              "plane_normal='0 0 1' thread_length='40 mm' damping_mass='50 1/s' "
-              "damping_stiffness='1 ms'" +
-                  std::string(coarse) +
-                  "/><Track name='still' times='0' positions='0 0 0'/>"
-                  "<Track name='way' centre='40 0 0 mm' times='0 0.5 s' positions='0 0 0  -40 10 0 "
-                  "mm' rotations='0 0 0  0 0 180 deg'/>"
-                  "<Grasper name='left' at='0' track='still'/>"
-                  "<Grasper name='right' at='40 mm' track='way'/>"
-                  "<ThreadProbe name='upto' at='20 mm'/><ThreadProbe name='from' at='20.5 mm'/>"
-                  "<Scissors track='still' centre='15 5.2 0 mm' size='15 2 2 mm' times='0.6 s'/>",
-              "dt='5 ms' gravity='0 0 0'");
+  TextRun run(
+      "<SutureThread name='a' needle_length='0' tip_direction='-1 0 0' "
+      "plane_normal='0 0 1' thread_length='40 mm' damping_mass='50 1/s' "
+      "damping_stiffness='1 ms'" +
+          std::string(coarse) +
+          "/><Track name='still' times='0' positions='0 0 0'/>"
+          "<Track name='way' centre='40 0 0 mm' times='0 0.5 s' positions='0 0 0  -40 10 0 "
+          "mm' rotations='0 0 0  0 0 180 deg'/>"
+          "<Grasper name='left' at='0' track='still'/>"
+          "<Grasper name='right' at='40 mm' track='way'/>"
+          "<ThreadProbe name='upto' at='20 mm'/><ThreadProbe name='from' at='20.5 mm'/>"
+          "<Scissors track='still' centre='15 5.2 0 mm' size='15 2 2 mm' times='0.6 s'/>",
+      "dt='5 ms' gravity='0 0 0'");
   ASSERT_TRUE(run) << run.said();
   run.run(0.6);
   EXPECT_GT(run.number("/a", "beams"), 30);  // as the bend asks for
