@@ -160,40 +160,53 @@ void SutureThread::end_step(const StepContext&, const VecX& force) {
   held_strands_.end_step(rod_, step_.time_error(rod_));
   step_.end(rod_, force);
   limits_.clear();
-  break_where_too_taut();
+  if (const Index beam = too_taut(); beam >= 0) cut(middle(beam));
   if (sampling_angle > 0) resample();
 }
 
-/// What is cut is rigid no more. A beam that may be split is lost at its shortest only.
+/// A beam that may be split is lost at its shortest only.
 void SutureThread::cut(Real s) {
   Index beam = place(rod_, s).beam;
-  if (rod_.stretches().is_rigid(beam)) release(rod_.stretches().body_of(beam));
+  release_beam(beam);
   while (sampling_angle > 0 && rod_.element(beam).length >= 2 * shortest_beam) {
     std::vector<Real>& nodes = sampling_work_.nodes;
     nodes = rod_.abscissa();
-    nodes.insert(nodes.begin() + beam + 1, (nodes[beam] + nodes[beam + 1]) / 2);
+    nodes.insert(nodes.begin() + beam + 1, middle(beam));
     place_nodes(nodes);
     beam = place(rod_, s).beam;
   }
   rod_.cut(beam);
 }
 
+/// What is cut is rigid no more.
+void SutureThread::release_beam(Index beam) {
+  if (rod_.stretches().is_rigid(beam)) release(rod_.stretches().body_of(beam));
+}
+
+Real SutureThread::middle(Index beam) const {
+  return (rod_.abscissa()[beam] + rod_.abscissa()[beam + 1]) / 2;
+}
+
 void SutureThread::bear(const std::vector<LimitTension>& limits) {
   limits_.insert(limits_.end(), limits.begin(), limits.end());
-  break_where_too_taut();
+  const Index beam = too_taut();
+  if (beam < 0) return;
+  release_beam(beam);
+  rod_.cut(beam);  // not split: the rows of this step are still being looked at
 }
 
 /// Of a beam: of its elastic thread, of its viscosity, and what limits of stretch bear.
 Real SutureThread::tension_of(Index beam, const ElementState& state) const {
   Real sum = state.tension + step_.viscous_tension(beam);
-  const Real middle = (rod_.abscissa()[beam] + rod_.abscissa()[beam + 1]) / 2;
+  const Real at = middle(beam);
   for (const LimitTension& limit : limits_)
-    if (limit.from < middle && middle < limit.to) sum += limit.tension;
+    if (limit.from < at && at < limit.to) sum += limit.tension;
   return sum;
 }
 
-void SutureThread::break_where_too_taut() {
-  if (strength == 0) return;
+/// The beam with the largest tension, if that is more than the thread bears; else -1.
+Index SutureThread::too_taut() const {
+  if (strength == 0) return -1;
   Index weakest = -1;
   Real most = strength;
   ElementState s;
@@ -205,7 +218,7 @@ void SutureThread::break_where_too_taut() {
     most = tension;
     weakest = e;
   }
-  if (weakest >= 0) cut((rod_.abscissa()[weakest] + rod_.abscissa()[weakest + 1]) / 2);
+  return weakest;
 }
 
 void SutureThread::resample() {

@@ -154,7 +154,9 @@ class SutureThread : public Component,
   Real drawn_radius(Real s) const;
   void resample();
   Real tension_of(Index beam, const ElementState& state) const;
-  void break_where_too_taut();
+  Index too_taut() const;
+  void release_beam(Index beam);
+  Real middle(Index beam) const;
   void place_nodes(const std::vector<Real>& abscissae);
   Index node_at(Real s) const;
 
