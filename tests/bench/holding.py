@@ -68,7 +68,8 @@ def run(sutura, folder, limit, hands, friction):
     columns = {name.split(" ")[0]: [float(row[i]) for row in rows if len(row) == len(head)] for i, name in enumerate(head)}
     begin = next((i for i, t in enumerate(columns["time"]) if t >= EASED), None)
     if begin is None:
-        raise RuntimeError(f"{hands} with friction {friction} was cut off at {columns['time'][-1]} s")
+        print(f"{hands} with friction {friction} was cut off before its legs are drawn apart", flush=True)
+        return None
     force = [1e3 * math.hypot(*f) for f in zip(*(columns[f"left.force.{axis}"] for axis in "xyz"))]
     ends = [abs(a - b) for a, b in zip(columns["suture.tip_position.x"], columns["suture.end_position.x"])]
     slip = [500 * (ends[begin] - e) for e in ends]  # of each end, mm
@@ -109,7 +110,8 @@ if __name__ == "__main__":
     options.folder.mkdir(parents=True, exist_ok=True)
     lay(options.folder)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        table = list(pool.map(lambda job: run(options.sutura, options.folder, options.limit, *job), [(h, f) for f in reversed(FRICTIONS) for h in THROWS]))
+        rows = pool.map(lambda job: run(options.sutura, options.folder, options.limit, *job), [(h, f) for f in reversed(FRICTIONS) for h in THROWS])
+        table = [row for row in rows if row is not None]
     with open(options.folder / "holding.csv", "w") as file:
         writer = csv.DictWriter(file, table[0].keys())
         writer.writeheader()
