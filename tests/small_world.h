@@ -65,9 +65,10 @@ class PointMasses : public Body {
       if (fixed_[static_cast<std::size_t>(i)]) columns.row(i).setZero();
     columns = factor_.solve(columns).eval();
   }
-  void correct(const StepContext& c, const VecX& force_change) override {
-    guess(c, v + change_ + c.dt * factor_.solve(free(force_change)));
+  void push(const StepContext& c, const VecX& force_change) override {
+    change_ += c.dt * factor_.solve(free(force_change));
   }
+  void correct(const StepContext& c) override { guess(c, v + change_); }
   Imbalance imbalance(const StepContext& c, const VecX& f) override {
     const VecX r = missing_ / c.dt + free(f);
     const Real worst = r.lpNorm<Eigen::Infinity>();
@@ -142,7 +143,8 @@ class LentBody : public Component, public Body {
   void linearise(const StepContext& c, const VecX& force) override { lent->linearise(c, force); }
   Eigen::Ref<const VecX> change() const override { return lent->change(); }
   void solve(Eigen::Ref<MatX> columns) const override { lent->solve(columns); }
-  void correct(const StepContext& c, const VecX& change) override { lent->correct(c, change); }
+  void push(const StepContext& c, const VecX& change) override { lent->push(c, change); }
+  void correct(const StepContext& c) override { lent->correct(c); }
   Imbalance imbalance(const StepContext& c, const VecX& f) override {
     return lent->imbalance(c, f);
   }

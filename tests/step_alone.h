@@ -12,14 +12,14 @@ struct Alone {
 };
 
 /// One step under `force` (N, N m; size dofs); returns the passes, 0 if they did not do. Allocates
-/// nothing itself; `none` is a force of nothing.
-inline Index step_alone(Body& body, StepContext context, const VecX& force, const VecX& none,
+/// nothing itself.
+inline Index step_alone(Body& body, StepContext context, const VecX& force,
                         const Alone& limits = {}) {
   body.begin_step(context);
   bool balanced = false;
   while (!balanced && context.pass < limits.passes) {
     body.linearise(context, force);
-    body.correct(context, none);
+    body.correct(context);
     ++context.pass;
     balanced = context.pass >= body.least_passes() &&
                body.imbalance(context, force).relative <= limits.tolerance;
@@ -29,8 +29,7 @@ inline Index step_alone(Body& body, StepContext context, const VecX& force, cons
 }
 
 inline Index step_alone(Body& body, const StepContext& context, const Alone& limits = {}) {
-  const VecX none = VecX::Zero(body.dofs());
-  return step_alone(body, context, none, none, limits);
+  return step_alone(body, context, VecX::Zero(body.dofs()), limits);
 }
 
 }  // namespace sutura::test

@@ -39,7 +39,8 @@ class AssembledBody : public Body {
       for (const Index j : rows.row)
         if (i % 3 == j % 3) W(i, j) += 0.01 * std::exp(-static_cast<Real>(std::abs(i - j)) / 15);
   }
-  void correct(const StepContext&, const VecX&) override {}
+  void push(const StepContext&, const VecX&) override {}
+  void correct(const StepContext&) override {}
   Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
   void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }

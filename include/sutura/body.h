@@ -133,10 +133,12 @@ class Body {
   /// violation is measured, and the next pass takes it up.
   virtual void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const;
 
-  /// Stage correct: adds the answer to a change of the constraint force (N, N m; size dofs) and
-  /// makes that the next guess. May go only part of the way if the linear answer cannot hold so
-  /// far.
-  virtual void correct(const StepContext& context, const VecX& force_change) = 0;
+  /// Stage correct: adds the answer to a change of the constraint force (N, N m; size dofs) to
+  /// `change`. As often in a pass as its rows are solved.
+  virtual void push(const StepContext& context, const VecX& force_change) = 0;
+  /// Then: moves by `change` to the next guess. May go only part of the way if the linear answer
+  /// cannot hold so far.
+  virtual void correct(const StepContext& context) = 0;
   /// Whether the last `correct` went only part of the way.
   virtual bool went_part_way() const { return false; }
   /// The way from the start of the step to the guess, in the body's own coordinates (m, rad; size

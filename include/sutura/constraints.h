@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <set>
 #include <span>
 #include <string>
@@ -60,6 +61,7 @@ struct ConstraintBlock {
   BlockUnits units;
   Mode mode = 0;
   bool redundant = false;  ///< see ConstraintBuilder::mark_redundant
+  Real idle_beyond = std::numeric_limits<Real>::infinity();  ///< see ConstraintBuilder::may_idle
   Real violation = 0;      ///< on exit of a solve: how far from its law (m)
   Vec3 at = Vec3::Zero();  ///< where it acts (m)
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
@@ -114,6 +116,10 @@ class ConstraintBuilder {
   /// together do. The solver may then leave a small error in one pass, which the next one takes
   /// back.
   void mark_redundant(BlockId block);
+  /// This block carries nothing while its first row is open, as that of a touch. A pass leaves it
+  /// out as long as it carries nothing and is open by more than `beyond` (m), and takes it in where
+  /// the answer of the bodies closes it.
+  void may_idle(BlockId block, Real beyond);
   /// The force with which a block begins whose key was not there before (N, one per row): of a
   /// touch that has been without rows for a while.
   template <int N>

@@ -100,6 +100,7 @@ class Simulation;
 class OutputFolder;
 struct Chunk;
 class LawCheck;
+class IdleBlocks;
 class BestGuess;
 class BetterGuess;
 template <class, std::size_t>
@@ -201,7 +202,8 @@ class Simulation {
   void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);
   void check_gaps();
-  void solve();
+  void lead_gaps(const StepContext& context);
+  void solve(ConstraintProblem& problem);
   bool measure(const StepContext& context);
   bool is_short_enough(const StepContext& context);
   bool knows_ways();
@@ -227,6 +229,7 @@ class Simulation {
   std::vector<std::string> written_files_;  ///< relative to the folder, with patterns
   std::unique_ptr<OutputFolder> output_;    ///< from start_recording to finish_recording
   std::unique_ptr<LawCheck> law_check_;
+  std::unique_ptr<IdleBlocks> idle_;
   std::vector<const Body*> const_bodies_;
   std::vector<VecX> body_force_;      ///< of the constraints, per body (N, N m)
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body

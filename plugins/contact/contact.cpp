@@ -21,6 +21,8 @@ namespace {
 
 // A touch that slips slower than this sticks, and may hold by static friction again.
 constexpr Real slow = 1e-4;  // m/s
+// One that is open by more, of the gap from which on touches are built, may be left out of a pass.
+constexpr Real idle = 0.1;
 
 }  // namespace
 
@@ -174,6 +176,7 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
       pair_->couple(t, blocks_.back(), axes.topRows<1>(), builder);
     }
     builder.mark_redundant(blocks_.back());
+    builder.may_idle(blocks_.back(), idle * pair_->built_from(t));
     stiffen(context, t, builder);
   }
 }

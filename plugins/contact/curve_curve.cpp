@@ -303,6 +303,10 @@ void CurveCurve::drop_doubles(std::vector<Touch>& touches, std::size_t from) {
   touches.resize(kept);
 }
 
+Real CurveCurve::built_from(const Touch& t) const {
+  return margin * (t.first_arm.norm() + t.second_arm.norm());
+}
+
 Vec3 CurveCurve::slip(const Touch& t) const {
   const Pose a0 = first_.frame(t.first_place, Configuration::start),
              a = first_.frame(t.first_place, Configuration::current),

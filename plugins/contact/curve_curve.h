@@ -13,6 +13,7 @@ class CurveCurve : public Pair {
       : first_(first), second_(second), is_self_(&first == &second) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   bool find_again(Real first, Real second, Touch& touch) const override;
+  Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;

@@ -237,6 +237,10 @@ void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out)
   t.gap = height - s.radius;
 }
 
+Real CurveSurface::built_from(const Touch& t) const {
+  return margin * t.first_arm.norm();
+}
+
 Vec3 CurveSurface::slip(const Touch& t) const {
   const Pose still;  // what a triangle turns in a step is small
   return moved_on(still, still, curve_, t.first_place, t.first_arm) -

@@ -16,6 +16,7 @@ class CurveSurface : public Pair {
                const Passage* passage)
       : curve_(curve), surface_(std::move(boundary)), passage_(passage) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;

@@ -210,6 +210,10 @@ Touch CurveTool::touch_at(std::size_t i, Real u, const Facet& on) const {
   return t;
 }
 
+Real CurveTool::built_from(const Touch& t) const {
+  return margin * t.first_arm.norm();
+}
+
 Vec3 CurveTool::slip(const Touch& t) const {
   return moved_on(tool_.placed(Configuration::start), tool_.placed(Configuration::current), curve_,
                   t.first_place, t.first_arm);

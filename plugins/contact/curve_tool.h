@@ -12,6 +12,7 @@ class CurveTool : public ToolPair {
   CurveTool(const SegmentedCurve& curve, RigidTool& tool) : ToolPair(tool), curve_(curve) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   bool find_again(Real first, Real second, Touch& touch) const override;
+  Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;

@@ -258,6 +258,10 @@ void SurfaceSurface::drop_doubles(std::vector<Touch>& out) {
   });
 }
 
+Real SurfaceSurface::built_from(const Touch&) const {
+  return margin * edge_length();
+}
+
 Vec3 SurfaceSurface::slip(const Touch& t) const {
   const Vec3 slip =
       nodes_of(t).moved(t.node_triangle, t.node_weights) - faces_of(t).moved(t.triangle, t.weights);

@@ -18,6 +18,7 @@ class SurfaceSurface : public Pair {
   SurfaceSurface(const Side& first, const Side& second)
       : first_(first), second_(second), is_self_(first == second) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;

@@ -202,6 +202,10 @@ void SurfaceTool::touch(Real name, const Place& place, const Facet& on,
   t.gap = on.normal.dot(t.second_local - on.foot);
 }
 
+Real SurfaceTool::built_from(const Touch&) const {
+  return margin * surface_.edge_length();
+}
+
 Vec3 SurfaceTool::slip(const Touch& t) const {
   return surface_.moved(t.triangle, t.weights) - tool_.moved(t.second_local);
 }

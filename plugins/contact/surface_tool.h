@@ -14,6 +14,7 @@ class SurfaceTool : public ToolPair {
   SurfaceTool(std::shared_ptr<const Boundary> boundary, RigidTool& tool)
       : ToolPair(tool), surface_(std::move(boundary)) {}
   void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;

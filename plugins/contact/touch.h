@@ -66,6 +66,8 @@ class Pair {
   /// Of the last `find`: false if that straight way may differ too much from where the two go, as
   /// one of them turns.
   bool knows_way() const { return knows_way_; }
+  /// From which gap on a touch is built (m).
+  virtual Real built_from(const Touch& touch) const = 0;
   /// How far the first has moved over the step relative to the second, at the touch (m).
   virtual Vec3 slip(const Touch& touch) const = 0;
   virtual void couple(const Touch& touch, BlockId block, const Directions& axes,

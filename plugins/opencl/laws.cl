@@ -304,7 +304,8 @@ void project_puncture(const real* W, const real* d, PARAMETERS const real* p, uc
     A[0] += p[9];
     real inverse[D * D];
     invert3(A, inverse);
-    solve_friction(A, inverse, local_d, p[8], p[6], force);
+    const int state = solve_friction(A, inverse, local_d, p[8], p[6], force);
+    *mode = state == CAPPED_STICK || state == CAPPED_SLIP ? 2 : 0;
   }
   for (int i = 0; i < 3; ++i)
     lambda[i] = R[i] * force[0] + R[i + 3] * force[1] + R[i + 6] * force[2];

@@ -7,8 +7,8 @@
 //   pressing:    0 <= g  _|_  lambda_n >= 0   while lambda_n < fp;   g <= 0 at lambda_n = fp
 //                with g = n.delta + c lambda_n, c the compliance of the contact
 //                Coulomb with mu in the tangent plane, |lambda_t| <= mu lambda_n
-//   event:       lambda_n = fp and g < 0: the surface gives way, for good; fires once the end of
-//                the step has been measured
+//   event:       lambda_n = fp ("yielding") and g < 0: the surface gives way, for good; fires once
+//                the end of the step has been measured
 //   penetrated:  across t: delta = 0 (the hole holds the shaft)
 //                along t: lambda = -r t, 0 <= r <= fc + k a: the upper limit while the tip is ahead
 //                of the surface point by a = t.delta > 0, 0 while it is behind. k (N/m) is the
@@ -45,17 +45,21 @@ struct PunctureLaw {
   };
   static constexpr Mode pressing = 0;
   static constexpr Mode penetrated = 1;
+  static constexpr Mode yielding = 2;  ///< pressing, at the threshold
 
   static void project(const Mat3& W, const Vec3& d, const Params& p, Mode& mode, Vec3& lambda) {
     const Mat3 R = frame(mode == penetrated ? p.axis : p.normal);
     Mat3 A = R.transpose() * W * R;
-    if (mode == pressing) A(0, 0) += p.compliance;
+    if (mode != penetrated) A(0, 0) += p.compliance;
     const Vec3 local = R.transpose() * d;
     Vec3 force;
-    if (mode == penetrated)
+    if (mode == penetrated) {
       project_penetrated(A, local, p, force);
-    else
-      solve_friction(A, local, p.friction, p.puncture_force, force);
+    } else {
+      const Friction state = solve_friction(A, local, p.friction, p.puncture_force, force);
+      const bool yields = state == Friction::capped_stick || state == Friction::capped_slip;
+      mode = yields ? yielding : pressing;
+    }
     lambda = R * force;
   }
 
@@ -88,11 +92,10 @@ struct PunctureLaw {
     out.test = R * local.test;
   }
 
-  static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3& lambda) {
-    // At the threshold, seen along a normal that has turned by up to 0.02 rad since lambda was
-    // found.
-    constexpr Real turned = 2e-4;
-    if (mode == penetrated || p.normal.dot(lambda) < p.puncture_force * (1 - turned)) return false;
+  /// lambda was at the threshold when it was found. It is not asked again: the normal may have
+  /// turned since then, and along it lambda is less.
+  static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3&) {
+    if (mode != yielding) return false;
     if (!(p.normal.dot(delta) + p.compliance * p.puncture_force < 0)) return false;
     mode = penetrated;
     return true;

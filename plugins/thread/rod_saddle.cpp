@@ -115,7 +115,7 @@ void RodStep::descend(Rod& rod) {
     for (Index i = 0; i < rod.nodes(); ++i)
       if (guess_.force.pushes(i)) change_.segment<6>(6 * i).setZero();
     answer(rod, change_);
-    take_change(rod);
+    correct(rod);
     ratio /= 16;
   }
 }

@@ -19,13 +19,14 @@ constexpr Real negligible = 1e-6;
 /// What is missing of balance at a node, r (N, N m), as a share of what is at work there. Roll is
 /// judged by itself: the force of a taut thread times the length of a beam may be a million times
 /// what twists it.
-/// Forces below `rounding` (N) count for nothing.
+/// Forces and bending moments below `rounding` (N, N m) count for nothing.
 Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const ElementRest& beam,
-           Real rounding) {
+           const AtWork& rounding) {
   constexpr Real twist = 1;  // rad in a beam: where less is at work, roll is judged beside it
   AtWork missing;
-  missing.force = std::max(Real(0), r.head<3>().norm() - rounding);
+  missing.force = std::max(Real(0), r.head<3>().norm() - rounding.force);
   missing.add_moment(r.tail<3>(), tangent);
+  missing.bending = std::max(Real(0), missing.bending - rounding.bending);
   const Real force = at_work.force + at_work.bending / beam.length;
   const Real roll = at_work.roll + twist * beam.torsion + negligible * force * beam.length;
   const auto part = [](Real of, Real whole) { return of > 0 ? of / whole : 0; };
@@ -72,7 +73,8 @@ void RodStep::archive(Archive& a, const Rod& rod) {
 }
 
 void RodStep::set_load(const VecX& load) {
-  if (load.size() == start_.load.size())
+  assert(load.size() == 0 || load.size() == start_.load.size());
+  if (load.size() > 0)
     start_.load = load;
   else
     start_.load.setZero();
@@ -151,15 +153,15 @@ void RodStep::answer(const Rod& rod, Eigen::Ref<MatX> columns) const {
   stretches.unpack(rod.poses(), columns);
 }
 
-void RodStep::correct(Rod& rod, const Dofs& force_change) {
+void RodStep::push(const Rod& rod, const Dofs& force_change) {
+  if (force_change.isZero(0)) return;
   guess_.force.at += force_change;
   answer_ = force_change;
   answer(rod, answer_);
   change_ += start_.dt * answer_;
-  take_change(rod);
 }
 
-void RodStep::take_change(Rod& rod) {
+void RodStep::correct(Rod& rod) {
   guess_.force.hold(rod);
   answer_ = start_.dt * change_;
   const Real turn = largest_turn(rod, Configuration::current, answer_);
@@ -197,12 +199,17 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
       scale.force += force.segment<3>(6 * k).norm();
       scale.add_moment(force.segment<3>(6 * k + 3), tangent(rod.poses()[k]));
     }
-    const ElementRest& beam = rod.element(std::min(i, rod.beams() - 1));
-    // A position is rounded by up to an ulp, and a beam is stretched by that.
+    // A beam that is cut says nothing of how stiff the rod is here.
+    const Index after = std::min(i, rod.beams() - 1), before = std::max(i - 1, Index{0});
+    const ElementRest& beam = rod.element(rod.is_cut(after) ? before : after);
+    // A position is rounded by up to an ulp, and a beam is stretched and turned by that. What turns
+    // both of its ends against the chord bends it with six times its stiffness.
     const Vec3& place = rod.poses()[i].position;
     const Real ulp = std::numeric_limits<Real>::epsilon() * place.lpNorm<Eigen::Infinity>();
-    const Real rounding =
-        ulp / beam.length * beam.axial * (1 + start_.damping.stiffness / start_.dt);
+    const Real share_of_length = ulp / beam.length * (1 + start_.damping.stiffness / start_.dt);
+    AtWork rounding;
+    rounding.force = share_of_length * beam.axial;
+    rounding.bending = share_of_length * 6 * std::max(beam.bend_1, beam.bend_2);
     const Real relative = share(r, tangent(rod.poses()[i]), scale, beam, rounding);
     const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / beam.length);
     // What is not a number at one node stays so: the next one must not hide it.
@@ -302,7 +309,7 @@ Index RodStep::advance(Rod& rod, Real dt, const Vec3& gravity, const Dofs& force
   begin(rod, dt, gravity);
   Index passes = 0;
   while (passes < most && linearise(rod, force)) {
-    take_change(rod);
+    correct(rod);
     ++passes;
     if (!(imbalance(rod, force).relative > tolerance)) break;
   }

@@ -39,9 +39,10 @@ class RodStep {
   bool linearise(const Rod& rod, const Dofs& force);
   /// Columns of forces (dofs x any) become A^-1 of them, with the A of the last pass.
   void answer(const Rod& rod, Eigen::Ref<MatX> columns) const;
-  /// The guess moves by that change and the answer to a change of force; only part of the way where
-  /// that turns a beam too far.
-  void correct(Rod& rod, const Dofs& force_change);
+  /// A change of the force of constraints: its answer is added to `change`.
+  void push(const Rod& rod, const Dofs& force_change);
+  /// The guess moves by that change; only part of the way where it turns a beam too far.
+  void correct(Rod& rod);
   bool went_part_way() const { return part_way_; }
   /// Of the guess under `force` of constraints.
   Imbalance imbalance(const Rod& rod, const Dofs& force) const;
@@ -78,7 +79,6 @@ class RodStep {
  private:
   void set_start(Real dt);
   Real imbalance_of_whole(const Rod& rod, const Dofs& force, Real everywhere) const;
-  void take_change(Rod& rod);
   bool is_compressed(const Rod& rod) const;
   void assemble_unpushed(const Rod& rod, Real convex);
   bool buckles(const Rod& rod);

@@ -139,8 +139,12 @@ void SutureThread::linearise(const StepContext&, const VecX& force) {
   factored_ = step_.linearise(rod_, force);
 }
 
-void SutureThread::correct(const StepContext&, const VecX& force_change) {
-  if (factored_) step_.correct(rod_, force_change);
+void SutureThread::push(const StepContext&, const VecX& force_change) {
+  if (factored_) step_.push(rod_, force_change);
+}
+
+void SutureThread::correct(const StepContext&) {
+  if (factored_) step_.correct(rod_);
 }
 
 Imbalance SutureThread::imbalance(const StepContext&, const VecX& force) {
@@ -169,13 +173,25 @@ void SutureThread::cut(Real s) {
   Index beam = place(rod_, s).beam;
   release_beam(beam);
   while (sampling_angle > 0 && rod_.element(beam).length >= 2 * shortest_beam) {
-    std::vector<Real>& nodes = sampling_work_.nodes;
-    nodes = rod_.abscissa();
-    nodes.insert(nodes.begin() + beam + 1, middle(beam));
-    place_nodes(nodes);
+    split(beam);
     beam = place(rod_, s).beam;
   }
   rod_.cut(beam);
+}
+
+/// Into halves. Scissors close while drivers speak: loads that were told before stay where they
+/// are.
+void SutureThread::split(Index beam) {
+  const Index before = 6 * (beam + 1), beyond = load().size() - before;
+  std::vector<Real>& nodes = sampling_work_.nodes;
+  nodes = rod_.abscissa();
+  nodes.insert(nodes.begin() + beam + 1, middle(beam));
+  place_nodes(nodes);
+  if (load().size() == 0) return;
+  VecX moved = VecX::Zero(rod_.dofs());
+  moved.head(before) = load().head(before);
+  moved.tail(beyond) = load().tail(beyond);
+  load() = moved;
 }
 
 /// What is cut is rigid no more.

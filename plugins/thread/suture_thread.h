@@ -58,7 +58,8 @@ class SutureThread : public Component,
   Eigen::Ref<const VecX> change() const override { return step_.change(); }
   void solve(Eigen::Ref<MatX> columns) const override;
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override;
-  void correct(const StepContext& context, const VecX& force_change) override;
+  void push(const StepContext& context, const VecX& force_change) override;
+  void correct(const StepContext& context) override;
   bool went_part_way() const override { return step_.went_part_way(); }
   void motion(VecX& out) const override { out = step_.guess().motion; }
   void move_to(const StepContext&, const VecX& motion) override {
@@ -158,6 +159,7 @@ class SutureThread : public Component,
   void release_beam(Index beam);
   Real middle(Index beam) const;
   void place_nodes(const std::vector<Real>& abscissae);
+  void split(Index beam);
   Index node_at(Real s) const;
 
   Rod rod_;

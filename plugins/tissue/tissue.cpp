@@ -220,8 +220,12 @@ void Tissue::begin_step(const StepContext& context) {
   move_queries(Configuration::current, step_->positions());
 }
 
-void Tissue::correct(const StepContext& context, const VecX& force_change) {
-  step_->correct(context, force_change);
+void Tissue::push(const StepContext& context, const VecX& force_change) {
+  step_->push(context, force_change);
+}
+
+void Tissue::correct(const StepContext& context) {
+  step_->correct(context);
   move_queries(Configuration::current, step_->positions());
 }
 

@@ -78,7 +78,8 @@ class Tissue : public Component, public MeshedSolid {
   void add_compliance(const BodyRows& rows, Real dt, Eigen::Ref<MatX> W) const override {
     add_tissue_compliance(*solver_, rows, dt, W);
   }
-  void correct(const StepContext& context, const VecX& force_change) override;
+  void push(const StepContext& context, const VecX& force_change) override;
+  void correct(const StepContext& context) override;
   void motion(VecX& out) const override;
   void move_to(const StepContext& context, const VecX& motion) override;
   Imbalance imbalance(const StepContext& context, const VecX& force) override {

@@ -186,16 +186,18 @@ void TissueStep::linearise(const StepContext& context, const VecX& force) {
   solve_what_matters(context, change_);
 }
 
-void TissueStep::correct(const StepContext& context, const VecX& force_change) {
+void TissueStep::push(const StepContext& context, const VecX& force_change) {
+  if (force_change.isZero(0)) return;
+  answer_ = context.dt * force_change;
+  pushed_ += answer_;
+  asked_ += answer_.norm();
+  solve_what_matters(context, answer_);
+  change_ += answer_;
+}
+
+void TissueStep::correct(const StepContext& context) {
   const Real h = context.dt;
   v_ += change_;
-  if (!force_change.isZero(0)) {
-    answer_ = h * force_change;
-    pushed_ += answer_;
-    asked_ += answer_.norm();
-    solve_what_matters(context, answer_);
-    v_ += answer_;
-  }
   x_ = start_x_ + h * v_;
   evaluate_force();
   balance(context);

@@ -34,7 +34,8 @@ class TissueStep {
   void begin(const StepContext& context);
   void linearise(const StepContext& context, const VecX& force);
   const VecX& change() const { return change_; }
-  void correct(const StepContext& context, const VecX& force_change);
+  void push(const StepContext& context, const VecX& force_change);
+  void correct(const StepContext& context);
   void move_to(const StepContext& context, const VecX& motion);
   Imbalance imbalance(const StepContext& context, const VecX& force);
   Real time_error(const StepContext& context) const;
@@ -78,7 +79,7 @@ class TissueStep {
   // What is known at the guess.
   VecX force_;        ///< elastic, of supports and of loads (N)
   VecX missing_;      ///< momentum due there, without constraint forces and reactions (N s)
-  VecX change_;       ///< of the velocity, that answers it (m/s)
+  VecX change_;       ///< of the velocity, that answers it and `push` (m/s)
   Real at_work_ = 0;  ///< size of the forces there, when last measured (N)
 
   Assembly assembly_;

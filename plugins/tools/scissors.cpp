@@ -38,9 +38,9 @@ void Scissors::cut() {
   const Pose frame = placed(Configuration::start);
   for (const Target& target : targets_)
     for (const JawSpace::Stretch& s : look(*target.curve, Configuration::current, frame)) {
-      const Real middle = (s.low + s.high) / 2;
-      if (middle < target.curve->needle_length()) continue;
-      target.thread->cut(middle);
+      const Real from = std::max(s.low, target.curve->needle_length());
+      if (!(from < s.high)) continue;
+      target.thread->cut((from + s.high) / 2);
       ++cuts_;
     }
 }
@@ -59,7 +59,8 @@ void Scissors::describe(Describe<Scissors>& d) {
       "there bears nothing from then on, touches nothing and is not drawn, and half of its mass "
       "stays with each of its ends. So the thread gets shorter by up to a beam on each side, and "
       "stays one chain for the solver. It is cut for good. A thread with 'sampling_angle' is first "
-      "split there down to its shortest beams. A needle is not cut. The blades touch nothing.\n\n"
+      "split there down to its shortest beams. Of a needle nothing is cut: the middle is that of "
+      "the thread behind it. The blades touch nothing.\n\n"
       "Of a sewn thread, a SuturePath holds what is left on each side: inside of a tissue, both "
       "pieces stay in the channel, each with its friction; an end that is drawn through leaves "
       "the channel empty behind it, and does not find back into it.");

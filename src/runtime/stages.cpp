@@ -6,6 +6,7 @@
 #include "base/stage_timer.h"
 #include "runtime/best_guess.h"
 #include "runtime/better_guess.h"
+#include "solve/idle_blocks.h"
 #include "solve/law_check.h"
 #include "sutura/simulation.h"
 
@@ -132,14 +133,24 @@ void Simulation::check_gaps() {
   }
 }
 
-/// Events wait: lambda is that of a guess. The report counts them over the whole step.
-void Simulation::solve() {
-  law_check_->begin(problem_);
-  problem_.hold_events = true;
+/// d_free <- where the answer of the bodies so far leads the gaps.
+void Simulation::lead_gaps(const StepContext& context) {
+  problem_.d_free = problem_.gap;
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (!settled_[i])
+      problem_.bodies[i].add_product(context.dt, bodies_[i].body->change(), problem_.d_free);
+}
+
+/// `problem`: what is not idle. Events wait: lambda is that of a guess. The report counts them over
+/// the whole step.
+void Simulation::solve(ConstraintProblem& problem) {
+  law_check_->begin(problem);
+  problem.hold_events = true;
   const Index events = report_.solve.events;
   lambda_change_ = -problem_.lambda;
-  report_.solve = problem_.rows() > 0 ? ask(solver_).solve(problem_) : SolveReport{};
+  report_.solve = problem.rows() > 0 ? ask(solver_).solve(problem) : SolveReport{};
   report_.solve.events = events;
+  idle_->put_back(problem_);
   lambda_change_ += problem_.lambda;
 }
 

@@ -10,6 +10,7 @@
 #include "runtime/better_guess.h"
 #include "runtime/failure.h"
 #include "runtime/step_division.h"
+#include "solve/idle_blocks.h"
 #include "solve/law_residual.h"
 #include "sutura/simulation.h"
 
@@ -158,33 +159,43 @@ bool Simulation::balance_in_first_order(StepContext context, Timer& timer) {
 
 /// One linearisation of all that is not settled about the present guess, and the next guess.
 void Simulation::pass(const StepContext& context, Timer& timer) {
-  // Every body alone: A dv = what its balance lacks. d_free: where that leads the gaps.
+  // Every body alone: A dv = what its balance lacks.
   timer.enter(Stage::linearise);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (settled_[i]) continue;
     constraint_force(i, problem_.lambda);
     ask(bodies_[i].body).linearise(context, body_force_[i]);
-    problem_.bodies[i].add_product(context.dt, bodies_[i].body->change(), problem_.d_free);
+  }
+  lead_gaps(context);
+
+  idle_->find(problem_);
+  for (bool goes_on = true; goes_on; goes_on = idle_->wake(problem_)) {
+    // W = h^2 H A^-1 H^T, the sum over the bodies, of all blocks but the idle ones.
+    timer.enter(Stage::compliance);
+    ConstraintProblem& problem = idle_->without(problem_);
+    problem.W.setZero(problem.rows(), problem.rows());
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      if (problem.bodies[i].size() > 0)
+        ask(bodies_[i].body).add_compliance(problem.bodies[i], context.dt, problem.W);
+
+    // lambda, the mode of every block, and by how much lambda has changed.
+    timer.enter(Stage::solve);
+    solve(problem);
+
+    // What that does to the bodies: dv += h A^-1 H^T (lambda - lambda before).
+    timer.enter(Stage::correct);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (settled_[i]) continue;
+      constraint_force(i, lambda_change_);
+      ask(bodies_[i].body).push(context, body_force_[i]);
+    }
+    lead_gaps(context);
   }
 
-  // W = h^2 H A^-1 H^T, the sum over the bodies.
-  timer.enter(Stage::compliance);
-  problem_.W.setZero(problem_.rows(), problem_.rows());
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (problem_.bodies[i].size() > 0)
-      ask(bodies_[i].body).add_compliance(problem_.bodies[i], context.dt, problem_.W);
-
-  // lambda, the mode of every block, and by how much lambda has changed.
-  timer.enter(Stage::solve);
-  solve();
-
-  // The next guess: dv += h A^-1 H^T (lambda - lambda before).
+  // The next guess.
   timer.enter(Stage::correct);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (settled_[i]) continue;
-    constraint_force(i, lambda_change_);
-    ask(bodies_[i].body).correct(context, body_force_[i]);
-  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (!settled_[i]) ask(bodies_[i].body).correct(context);
 }
 
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.

@@ -13,6 +13,11 @@ void Compliance::prepare(const ConstraintProblem& problem) {
   }
 }
 
+void Compliance::keep(std::span<const std::size_t> blocks) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) offset_[i] = offset_[blocks[i]];
+  offset_.resize(blocks.size());
+}
+
 void Compliance::update_delta(ConstraintProblem& problem) const {
   problem.delta = problem.d_free;
   problem.delta.noalias() += problem.W * problem.lambda;

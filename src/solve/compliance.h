@@ -22,6 +22,8 @@ class Compliance {
  public:
   /// For the solves of one problem.
   void prepare(const ConstraintProblem& problem);
+  /// For those of its blocks alone (ascending), each with the compliance that it has there.
+  void keep(std::span<const std::size_t> blocks);
 
   /// The block of W on the diagonal, packed, so that a law gets a contiguous matrix: dim x dim,
   /// column major.

@@ -59,6 +59,11 @@ void ConstraintBuilder::mark_redundant(BlockId block) {
   problem_.blocks[static_cast<std::size_t>(block.index)].redundant = true;
 }
 
+void ConstraintBuilder::may_idle(BlockId block, Real beyond) {
+  assert(block.valid());
+  problem_.blocks[static_cast<std::size_t>(block.index)].idle_beyond = beyond;
+}
+
 void ConstraintBuilder::accept() {
   step_before_.remember(problem_, Warm::step_before);
 }

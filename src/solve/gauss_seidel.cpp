@@ -93,10 +93,12 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   if (options_.acceleration == Acceleration::subspace && linear_.find(problem) &&
       !is_solved(problem) && linear_.eliminate(problem, others_)) {
     others_.hold_events = true;
+    compliance_.keep(linear_.others());
     first = iterate(others_, std::min(patience, options_.sweeps), false);
     // What is not solved so is solved as a whole, from where it began.
     if (first.converged) linear_.put_back(others_, problem);
   }
+  compliance_.prepare(problem);
   SolveReport report = iterate(problem, options_.sweeps, true);
   report.sweeps += first.sweeps;
   report.direct_solves += first.direct_solves;
@@ -128,7 +130,7 @@ void BlockGaussSeidel::load(ConstraintProblem& problem) {
 
 void BlockGaussSeidel::begin(ConstraintProblem& problem) {
   if (!problem.lambda.allFinite()) problem.lambda.setZero();
-  load(problem);
+  compliance_.update_delta(problem);
   random_ = options_.seed;
   order_.resize(problem.blocks.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});

@@ -16,6 +16,8 @@ class LinearRows {
  public:
   /// False if there is nothing to eliminate, or nothing else.
   bool find(const ConstraintProblem& problem);
+  /// Blocks that are not held, ascending.
+  const std::vector<std::size_t>& others() const { return other_; }
   /// `others` <- the problem without the rows that were found. False if these repeat each other up
   /// to rounding.
   bool eliminate(const ConstraintProblem& problem, ConstraintProblem& others);

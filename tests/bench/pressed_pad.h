@@ -147,7 +147,8 @@ class PressedPad {
       enter(correct);
       force_.setZero(3 * nodes());
       rows.add_transposed(change_, force_);
-      step_->correct(context_, force_);
+      step_->push(context_, force_);
+      step_->correct(context_);
       enter(measure);
       lambda_ = problem_.lambda;
       for (std::size_t b = 0; b < modes_.size(); ++b) modes_[b] = problem_.blocks[b].mode;

@@ -10,7 +10,8 @@ PunctureCount punctures(const ConstraintProblem& start, const ConstraintProblem&
   for (std::size_t i = 0; i < solved.blocks.size(); ++i) {
     const ConstraintBlock& b = solved.blocks[i];
     if (std::string_view(b.law->name) != suturing::PunctureLaw::name ||
-        b.mode == start.blocks[i].mode)
+        b.mode != suturing::PunctureLaw::penetrated ||
+        start.blocks[i].mode == suturing::PunctureLaw::penetrated)
       continue;
     const auto& q = *static_cast<const suturing::PunctureLaw::Params*>(solved.block_params(b));
     if (!q.hold)

@@ -182,7 +182,7 @@ Real outside_admissible(const ConstraintProblem& p, const ForceTolerance& tolera
                d = p.delta.segment(b.first_row, b.law->dim);
     if (!l.allFinite()) note(b, INFINITY);
     if (const auto* q = params_of<suturing::PunctureLaw>(p, b);
-        q && b.mode == suturing::PunctureLaw::pressing) {
+        q && b.mode != suturing::PunctureLaw::penetrated) {
       const Real n = q->normal.dot(l.head<3>());
       note(b, -n);
       note(b, n - q->puncture_force);
@@ -226,7 +226,7 @@ Real off_graph(const ConstraintProblem& p, const ForceTolerance& tolerance, std:
     if (const auto* hold = params_of<Bilateral<2>>(p, b)) {
       note(b, (d + hold->compliance * l).norm());
     } else if (const auto* q = params_of<suturing::PunctureLaw>(p, b);
-               q && b.mode == suturing::PunctureLaw::pressing) {
+               q && b.mode != suturing::PunctureLaw::penetrated) {
       const Real n = q->normal.dot(l.head<3>()), gap = q->normal.dot(d.head<3>());
       clamp(gap, n, q->puncture_force);
       if (n > margin)

@@ -20,7 +20,8 @@ class Point : public Body {
   void linearise(const StepContext&, const VecX&) override {}
   Eigen::Ref<const VecX> change() const override { return x; }
   void solve(Eigen::Ref<MatX>) const override {}
-  void correct(const StepContext&, const VecX&) override {}
+  void push(const StepContext&, const VecX&) override {}
+  void correct(const StepContext&) override {}
   Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
   void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }

@@ -48,9 +48,13 @@ class BombMass : public Mass, public Bomb {
     pass_by("add_compliance", step);
     Mass::add_compliance(rows, dt, W);
   }
-  void correct(const StepContext& c, const VecX& change) override {
+  void push(const StepContext& c, const VecX& change) override {
+    pass_by("push", c.step);
+    Mass::push(c, change);
+  }
+  void correct(const StepContext& c) override {
     pass_by("correct", c.step);
-    Mass::correct(c, change);
+    Mass::correct(c);
   }
   Imbalance imbalance(const StepContext& c, const VecX& force) override {
     pass_by("imbalance", c.step);

@@ -69,9 +69,12 @@ class Mass : public Component, public Body {
   }
   Eigen::Ref<const VecX> change() const override { return motion; }
   void solve(Eigen::Ref<MatX>) const override {}  // A = 1 kg
-  void correct(const StepContext& c, const VecX& force_change) override {
+  void push(const StepContext& c, const VecX& force_change) override {
+    motion += c.dt * force_change;
+  }
+  void correct(const StepContext& c) override {
     note("correct", *this);
-    v += motion + c.dt * force_change;
+    v += motion;
     x = start_x + c.dt * v;
   }
   Imbalance imbalance(const StepContext& c, const VecX& force) override {

@@ -54,7 +54,8 @@ struct RigidNeedle : Component, CurveBody {
     J.coefficients = Mat3::Identity();
   }
   void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
-  void correct(const StepContext&, const VecX&) override {}
+  void push(const StepContext&, const VecX&) override {}
+  void correct(const StepContext&) override {}
   Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
   void end_step(const StepContext&, const VecX&) override {}
   Vec3 momentum() const override { return Vec3::Zero(); }
@@ -132,8 +133,11 @@ struct SpringSlab : Component, SolidBody {
     J.coefficients = Mat3::Identity();
   }
   void solve(Eigen::Ref<MatX> columns) const override { columns *= inverse(); }
-  void correct(const StepContext&, const VecX& force_change) override {
-    v_ += change_ + h_ * inverse() * force_change;
+  void push(const StepContext&, const VecX& force_change) override {
+    change_ += h_ * inverse() * force_change;
+  }
+  void correct(const StepContext&) override {
+    v_ += change_;
     u_ = start_u_ + h_ * v_;
   }
   Imbalance imbalance(const StepContext&, const VecX& force) override {

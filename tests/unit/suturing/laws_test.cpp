@@ -144,17 +144,24 @@ TEST(PunctureLaw, PressingIsOnItsGraph) {
     p.friction = i % 4 ? draw_positive(random, -2, -0.3) : 0;
     Mode mode = PunctureLaw::pressing;
     const Vec3 lambda = project_twice<PunctureLaw>(W, d, p, mode);
-    ASSERT_EQ(mode, PunctureLaw::pressing);
     expect_pressing(p.normal, p.puncture_force, p.friction, W * lambda + d, lambda,
                     1e-8 * d.norm());
     const Real ln = p.normal.dot(lambda);
-    at_threshold += ln >= p.puncture_force * (1 - 1e-12);
+    const bool yields = ln >= p.puncture_force * (1 - 1e-12);
+    ASSERT_EQ(mode, yields ? PunctureLaw::yielding : PunctureLaw::pressing);
+    at_threshold += yields;
     open += ln == 0;
     const Vec3 delta = W * lambda + d;
     Mode after = mode;
     // Events only at the threshold while the surface yields.
     EXPECT_EQ(PunctureLaw::event(p, delta, after, lambda),
-              ln >= p.puncture_force * (1 - 1e-12) && p.normal.dot(delta) < 0);
+              yields && p.normal.dot(delta) < 0);
+    if (!yields || !(p.normal.dot(delta) < 0)) continue;
+    // The same pair of delta and lambda where the normal has turned by a tenth of a radian.
+    PunctureLaw::Params turned = p;
+    turned.normal = (p.normal + 0.1 * p.normal.unitOrthogonal()).normalized();
+    after = mode;
+    EXPECT_EQ(PunctureLaw::event(turned, delta, after, lambda), turned.normal.dot(delta) < 0);
   }
   EXPECT_GT(at_threshold, draws / 20);
   EXPECT_GT(open, draws / 10);

@@ -87,7 +87,7 @@ struct FallingThread {
     const VecX none = VecX::Zero(thread.dofs());
     const std::vector<Real> nodes = thread.rod().abscissa();
     const long before = allocations();
-    test::step_alone(thread, context, none, none);
+    test::step_alone(thread, context, none);
     const long after = allocations();
     event = thread.rod().abscissa() != nodes;
     return after - before;

@@ -93,7 +93,7 @@ TEST(RodStep, ImbalanceIsTheForceThatIsMissing) {
   // The answer takes it away.
   for (int pass = 0; pass < 10; ++pass) {
     ASSERT_TRUE(step.linearise(rod, force));
-    step.correct(rod, VecX::Zero(rod.dofs()));
+    step.correct(rod);
   }
   EXPECT_LT(step.imbalance(rod, force).relative, balanced);
   step.end(rod, force);
@@ -124,7 +124,8 @@ TEST(RodStep, ForcesMayComeInChanges) {
     if (pass > 4 && step.imbalance(in_parts, force).relative <= balanced) break;
     ASSERT_TRUE(step.linearise(in_parts, known));
     const VecX change = pass < 4 ? VecX(0.25 * force) : VecX(VecX::Zero(force.size()));
-    step.correct(in_parts, change);
+    step.push(in_parts, change);
+    step.correct(in_parts);
     known += change;
   }
   EXPECT_LE(step.imbalance(in_parts, force).relative, balanced);
@@ -170,7 +171,7 @@ TEST(RodStep, AStepBegunAnewForgetsTheFirstTry) {
   second_try.begin(again, 0.02, gravity);
   for (int pass = 0; pass < 3; ++pass) {
     ASSERT_TRUE(second_try.linearise(again, none));
-    second_try.correct(again, none);
+    second_try.correct(again);
   }
   const Index passes = step.advance(once, 0.005, gravity, none);
   EXPECT_EQ(second_try.advance(again, 0.005, gravity, none), passes);

@@ -12,11 +12,11 @@ namespace {
 
 /// A whole step under its weight alone, of the order that is asked for.
 void advance(Rod& rod, RodStep& step, Real dt, const Vec3& gravity, Index order) {
-  const VecX none = VecX::Zero(rod.dofs()), no_change = none;
+  const VecX none = VecX::Zero(rod.dofs());
   step.begin(rod, dt, gravity, order);
   for (int pass = 0; pass < 50; ++pass) {
     ASSERT_TRUE(step.linearise(rod, none));
-    step.correct(rod, no_change);
+    step.correct(rod);
     if (step.imbalance(rod, none).relative < 1e-7) break;
   }
   EXPECT_LT(step.imbalance(rod, none).relative, well_balanced);

@@ -42,7 +42,8 @@ class Curve : public Component, public CurveBody {
   Eigen::Ref<const VecX> change() const override { return no_change_; }
   void jacobian(Real, PointJacobian& out) const override { out = {}; }
   void solve(Eigen::Ref<MatX> columns) const override { columns.setZero(); }
-  void correct(const StepContext&, const VecX&) override {}
+  void push(const StepContext&, const VecX&) override {}
+  void correct(const StepContext&) override {}
   Imbalance imbalance(const StepContext&, const VecX&) override { return {}; }
   void end_step(const StepContext&, const VecX&) override {
     if (!held_) return;
