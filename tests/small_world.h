@@ -204,6 +204,14 @@ class SmallWorld {
   }
   Real time() const { return simulation_->time(); }
   const ConstraintProblem& problem() const { return simulation_->problem(); }
+  /// W of the rows as they are (m/N).
+  MatX compliance() const {
+    MatX W = MatX::Zero(problem().rows(), problem().rows());
+    for (std::size_t i = 0; i < problem().bodies.size(); ++i)
+      simulation_->bodies()[i].body->add_compliance(problem().bodies[i], simulation_->scene().dt,
+                                                    W);
+    return W;
+  }
   /// Adds directions (rows x 3) on a node to a block.
   void couple(ConstraintBuilder& builder, BlockId id, const PointMasses& body, Index node,
               const MatX& directions) {

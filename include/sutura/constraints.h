@@ -76,7 +76,9 @@ class ConstraintProblem {
   GrowingVec d_free;  ///< per row: what the linear answer leaves of the gap without lambda
   GrowingVec lambda;  ///< per row; on entry the warm start, on exit the solution
   GrowingVec delta;   ///< per row; on exit W lambda + d_free
-  GrowingMat W;       ///< rows x rows, the sum over the bodies
+  /// Rows x rows, the sum over the bodies: for a solver. The problem of a Simulation has none, as
+  /// its solver is given one without the blocks that are idle.
+  GrowingMat W;
   std::vector<BodyRows> bodies;  ///< H, one per body of the simulation
 
   /// Events must wait: lambda is that of a guess.

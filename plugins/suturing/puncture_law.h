@@ -92,10 +92,11 @@ struct PunctureLaw {
     out.test = R * local.test;
   }
 
-  /// lambda was at the threshold when it was found. It is not asked again: the normal may have
-  /// turned since then, and along it lambda is less.
-  static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3&) {
-    if (mode != yielding) return false;
+  /// lambda was at the threshold along the normal for which it was found. That may have turned, so
+  /// only the size of lambda is asked, for the tip may press on another surface by now.
+  static bool event(const Params& p, const Vec3& delta, Mode& mode, const Vec3& lambda) {
+    constexpr Real nearly = 1 - 2e-4;  // the next guess may mix the forces of the last passes
+    if (mode != yielding || lambda.norm() < nearly * p.puncture_force) return false;
     if (!(p.normal.dot(delta) + p.compliance * p.puncture_force < 0)) return false;
     mode = penetrated;
     return true;

@@ -142,7 +142,7 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
   s->builder_ = std::make_unique<ConstraintBuilder>(s->problem_, s->const_bodies_);
   s->identity_ = identity_of(*s->scene_);
   s->law_check_ = std::make_unique<LawCheck>();
-  s->idle_ = std::make_unique<IdleBlocks>();
+  s->idle_ = std::make_unique<IdleBlocks>(s->bodies_.size());
   s->better_guess_ = std::make_unique<BetterGuess>(s->bodies_);
   s->best_guess_ = std::make_unique<BestGuess>(s->bodies_);
   s->output_directory_ = output_directory;

@@ -19,7 +19,9 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
       "otherwise). Events (a puncture, a break-away) wait until the end of the step has been "
       "measured. See docs/theory/solver.md.");
   d.attribute("tolerance", &GaussSeidel::tolerance_, "1",
-              {.low = 0, .high = 1e-3, .low_open = true}, "Law residual at which the solve stops.");
+              {.low = 0, .high = 1e-3, .low_open = true},
+              "Law residual at which the solve stops; within a step also a millionth of what it "
+              "begins with, if that is more.");
   d.attribute("sweeps", &GaussSeidel::sweeps_, between(1, 1000000),
               "Budget: sweeps over all blocks in one solve.");
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");

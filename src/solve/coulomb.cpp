@@ -22,41 +22,37 @@ void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
   const Vec2 re = eigen.eigenvectors().transpose() * r;
   const Vec2 we = eigen.eigenvectors().transpose() * w;
   Vec2 t;
-  Real n = 0;
+  Real n = 0, slope = 0;  // of the excess over k
   const auto excess = [&](Real k) {
-    for (int i = 0; i < 2; ++i) t[i] = e[i] + k > 0 ? -re[i] / (e[i] + k) : Real(0);
-    n = -(d[0] + we.dot(t)) / wn;
-    return t.norm() - mu * n;
-  };
-  Real low = 0, high = std::max(e[1], Real(1e-12) * wn);
-  Real f_low = excess(0), f_high = excess(high);
-  for (int i = 0; f_high > 0 && i < 200; ++i) {
-    low = high;
-    f_low = f_high;
-    high *= 4;
-    f_high = excess(high);
-  }
-  // Illinois false position, with a bisection every fourth step against slow cases.
-  int side = 0;
-  for (int i = 0; i < 200 && high - low > 4e-16 * high; ++i) {
-    const Real k = i % 4 == 3 || !(f_low > f_high)
-                       ? 0.5 * (low + high)
-                       : (low * f_high - high * f_low) / (f_high - f_low);
-    const Real f = excess(k);
-    if (f > 0) {
-      low = k;
-      f_low = f;
-      if (side == 1) f_high *= 0.5;
-      side = 1;
-    } else {
-      high = k;
-      f_high = f;
-      if (side == -1) f_low *= 0.5;
-      side = -1;
+    Vec2 dt = Vec2::Zero();
+    for (int i = 0; i < 2; ++i) {
+      t[i] = e[i] + k > 0 ? -re[i] / (e[i] + k) : Real(0);
+      if (e[i] + k > 0) dt[i] = -t[i] / (e[i] + k);
     }
-    if (f == 0) break;
+    n = -(d[0] + we.dot(t)) / wn;
+    const Real norm = t.norm();
+    slope = (norm > 0 ? t.dot(dt) / norm : Real(0)) + mu * we.dot(dt) / wn;
+    return norm - mu * n;
+  };
+  Real low = 0, high = std::max(e[1], Real(1e-12) * wn), f = excess(high);
+  for (int i = 0; f > 0 && i < 200; ++i) {
+    low = high;
+    high *= 4;
+    f = excess(high);
   }
-  excess(high);
+  // Newton's method, and a bisection where it leaves what encloses the root or is slow.
+  constexpr Real rounding = 4e-16;
+  Real k = high, last = high - low;
+  for (int i = 0; i < 200 && high - low > rounding * high && f != 0; ++i) {
+    const Real newton = k - f / slope;
+    const bool takes_it = newton > low && newton < high && std::abs(newton - k) < 0.5 * last;
+    const Real next = takes_it ? newton : 0.5 * (low + high);
+    last = std::abs(next - k);
+    k = next;
+    f = excess(k);
+    (f > 0 ? low : high) = k;
+    if (last <= rounding * k) break;
+  }
   n = std::max(n, Real(0));
   const Real norm = t.norm();
   if (norm > 0) t *= mu * n / norm;  // on the cone, to the last bit

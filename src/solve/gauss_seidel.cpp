@@ -13,6 +13,9 @@ namespace {
 constexpr Index patience = 5;
 constexpr int most_taken_back = 3;
 constexpr Real negligible = 1e-12;
+// A pass whose events are held is not the last word: it need not be solved to less than this share
+// of what it begins with, nor of the units.
+constexpr Real share_of_pass = 1e-6;
 
 }  // namespace
 
@@ -82,16 +85,21 @@ bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index 
                                         Real now) const {
   const Real n = static_cast<Real>(problem.rows()), f = static_cast<Real>(free);
   const Real rate = std::clamp(now / before, Real(1e-3), Real(0.9999));
-  const Real sweeps_left = std::log(options_.tolerance / now) / std::log(rate);
+  const Real sweeps_left = std::log(goal_ / now) / std::log(rate);
   return sweeps_left * n * n > f * f * f / 6 + f * n + 2 * n * n;
 }
 
 SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   trouble_.clear();
   if (problem.blocks.empty()) return {};
+  load(problem);
+  const Real before = look(problem).value;
+  goal_ = options_.tolerance;
+  if (problem.hold_events && before > 0)
+    goal_ = std::max(goal_, share_of_pass * std::min(before, Real(1)));
   SolveReport first;
-  if (options_.acceleration == Acceleration::subspace && linear_.find(problem) &&
-      !is_solved(problem) && linear_.eliminate(problem, others_)) {
+  if (options_.acceleration == Acceleration::subspace && before > goal_ && linear_.find(problem) &&
+      linear_.eliminate(problem, others_)) {
     others_.hold_events = true;
     compliance_.keep(linear_.others());
     first = iterate(others_, std::min(patience, options_.sweeps), false);
@@ -104,11 +112,6 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   report.direct_solves += first.direct_solves;
   report.factorisations += first.factorisations;
   return report;
-}
-
-bool BlockGaussSeidel::is_solved(ConstraintProblem& problem) {
-  load(problem);
-  return look(problem).value <= options_.tolerance;
 }
 
 Residual BlockGaussSeidel::look(ConstraintProblem& problem) {
@@ -159,15 +162,14 @@ Index BlockGaussSeidel::sweep_once(ConstraintProblem& problem, bool first, Real 
 /// After a sweep that took the residual from `before` to `residual`, if it pays.
 void BlockGaussSeidel::step_directly(ConstraintProblem& problem, Real before, Residual& residual,
                                      SolveReport& report) {
-  if (options_.acceleration != Acceleration::subspace || residual.value <= options_.tolerance)
-    return;
+  if (options_.acceleration != Acceleration::subspace || residual.value <= goal_) return;
   if (--pause_.left >= 0) return;
   const Index free = subspace_.gather(problem, compliance_);
   if (!direct_step_pays(problem, free, before, residual.value)) return;
   const Real by_sweeps = residual.value;
   const bool may_walk = pause_.length == 4 || pause_.length == 8;
-  residual = subspace_.newton(problem, compliance_, residual, options_.tolerance, lambda_plus_,
-                              report, may_walk);
+  residual =
+      subspace_.newton(problem, compliance_, residual, goal_, lambda_plus_, report, may_walk);
   // Modes were not right yet: let sweeps find them, longer each time.
   pause_.length = residual.value < 0.1 * by_sweeps ? 1 : 2 * pause_.length;
   pause_.left = pause_.length;
@@ -180,7 +182,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
   bool softened = false;
   int taken_back = 0;
   while (std::isfinite(residual.value)) {
-    const bool converged = residual.value <= options_.tolerance;
+    const bool converged = residual.value <= goal_;
     if (converged && softened && taken_back < most_taken_back) {
       ++taken_back;
       if (redundant_.take_back(problem) > negligible) {
@@ -225,7 +227,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
   }
   report.residual = residual.value;
   report.violation = residual.violation;
-  report.converged = residual.value <= options_.tolerance;
+  report.converged = residual.value <= goal_;
   if (!std::isfinite(residual.value)) {
     problem.lambda.setZero();
     problem.delta = problem.d_free;

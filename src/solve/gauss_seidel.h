@@ -22,7 +22,9 @@ enum class Acceleration {
 };
 
 struct GaussSeidelOptions {
-  Real tolerance = 1e-9;   ///< of the law residual, in units of the blocks
+  /// Of the law residual, in units of the blocks. What is solved for a pass (`hold_events`) may end
+  /// at 1e-6 of these, and of what it begins with.
+  Real tolerance = 1e-9;
   Index sweeps = 1000;     ///< budget
   std::uint64_t seed = 1;  ///< of the order of blocks
   Acceleration acceleration = Acceleration::subspace;
@@ -40,8 +42,6 @@ class BlockGaussSeidel {
   SolveReport solve(ConstraintProblem& problem);
 
  private:
-  /// By the forces it begins with.
-  bool is_solved(ConstraintProblem& problem);
   /// Sweeps and direct steps until every block obeys its law, or the budget is spent.
   SolveReport iterate(ConstraintProblem& problem, Index sweeps, bool may_soften);
   void begin(ConstraintProblem& problem);
@@ -64,6 +64,7 @@ class BlockGaussSeidel {
 
   GaussSeidelOptions options_;
   Pause pause_;
+  Real goal_ = 0;  ///< law residual at which this solve ends
   Compliance compliance_;
   SubspaceStep subspace_;
   LinearRows linear_;

@@ -2,6 +2,11 @@
 
 namespace sutura {
 
+IdleBlocks::IdleBlocks(std::size_t bodies) {
+  others_.bodies.resize(bodies);
+  for (BodyRows& rows : others_.bodies) rows.clear();
+}
+
 void IdleBlocks::find(const ConstraintProblem& problem) {
   is_idle_.clear();
   for (const ConstraintBlock& b : problem.blocks)
@@ -32,7 +37,6 @@ ConstraintProblem& IdleBlocks::without(const ConstraintProblem& problem) {
     others_.lambda[to] = problem.lambda[i];
     others_.delta[to] = problem.delta[i];
   }
-  others_.bodies.resize(problem.bodies.size());
   for (std::size_t i = 0; i < problem.bodies.size(); ++i)
     gather_rows(problem.bodies[i], others_.bodies[i]);
   return others_;

@@ -11,6 +11,7 @@ namespace sutura {
 
 class IdleBlocks {
  public:
+  explicit IdleBlocks(std::size_t bodies);
   /// Before a pass: which are idle.
   void find(const ConstraintProblem& problem);
   /// The others: blocks, rows and H, with the d_free and lambda that `problem` has. W is not made.

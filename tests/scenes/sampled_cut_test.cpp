@@ -61,5 +61,57 @@ TEST(SampledCut, TheHalvesOfALoopSpringOpen) {
   EXPECT_LT(run.number("/a", "beams"), 20);
 }
 
+// A thread without weight hangs from a hand; 0.1 mN draw at its end and 1 mN above the cut. What is
+// cut off has to get 0.1 mN times the time since then, whatever the order in which drivers speak:
+// scissors split beams while loads are being told.
+TEST(SampledCut, LoadsStayWhereTheyAre) {
+  const std::string end = "<ThreadLoad name='below' at='40 mm' force='0 0 -0.1 mN'/>",
+                    above = "<ThreadLoad name='above' at='6 mm' force='0 0 -1 mN'/>",
+                    blades =
+                        "<Scissors track='still' centre='0 0 -10.2 mm' axis='1 0 0' "
+                        "size='20 20 1 mm' times='0.1 s'/>";
+  for (const std::string& drivers : {end + blades + above, blades + end + above}) {
+    TextRun run(
+        "<SutureThread name='a' needle_length='0' tip_direction='0 0 1' plane_normal='0 1 0' "
+        "thread_length='40 mm' thread_diameter='0.2 mm' thread_density='1000'" +
+            std::string(coarse) +
+            "/><Track name='still' times='0'/><Grasper name='hand' at='0' track='still'/>" +
+            drivers + "<EnergyProbe name='energy' body='a'/>",
+        "dt='20 ms' gravity='0 0 0'");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.1);
+    run.run(0.12);
+    EXPECT_EQ(run.number("/a", "cuts"), 1);
+    EXPECT_NEAR(run.vector("/hand", "force").z(), 1e-3, 1e-9);  // and not what was below
+    run.run(0.2);
+    const Real p = 1e-4 * 0.1, mass = 1000 * 3.1416e-8 * 29.8e-3;
+    EXPECT_NEAR(run.vector("/a", "momentum").z(), -p, 1e-5 * p);  // what is above trembles still
+    // Implicit Euler makes (n + 1) / n of the work in n = 5 steps. Half of a cut beam is 1 % of m.
+    const Real work = 1.2 * p * p / (2 * mass);
+    EXPECT_NEAR(run.number("/energy", "work_of_loads"), work, 0.02 * work);
+    EXPECT_EQ(run.simulation().report().missed_steps, 0);
+  }
+}
+
+// Beside a cut beam only what is left of the rod says how far its forces are rounded: a piece that
+// floats at rest, where nothing is at work, is balanced in one pass.
+TEST(SampledCut, PiecesAtRestAreBalanced) {
+  TextRun run(
+      "<SutureThread name='a' needle_length='0' thread_length='60 mm' thread_diameter='0.3 mm' "
+      "thread_young='2 GPa' thread_beams='30' sampling_angle='0.2' shortest_beam='0.3 mm' "
+      "tip='-30 0 5 mm' tip_direction='-1 0 0' plane_normal='0 -1 0'/>"
+      "<Track name='still' times='0'/>"
+      "<Track name='way' times='0 0.2 3.2 s' positions='0 0 0  0 0 0  30 0 0 mm'/>"
+      "<Grasper name='hand' track='way' at='60 mm'/>"
+      "<Scissors track='still' centre='10.1 0 5 mm' axis='0 0 1' size='0.4 8 8 mm' times='0.1 s'/>",
+      "dt='5 ms' gravity='0 0 0'");
+  ASSERT_TRUE(run) << run.said();
+  Index most = 0;
+  for (int i = 0; i < 60; ++i) most = std::max(most, run.simulation().step().passes);
+  EXPECT_EQ(run.number("/a", "cuts"), 1);
+  EXPECT_EQ(run.simulation().report().missed_steps, 0);
+  EXPECT_LE(most, 5);
+}
+
 }  // namespace
 }  // namespace sutura::testing

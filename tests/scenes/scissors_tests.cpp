@@ -40,6 +40,22 @@ TEST(Scissors, CutWithinAStep) {
   EXPECT_NEAR(run.vector("/suture_thread", "end_position").z(), before - fallen, 1e-8);
 }
 
+// 17 mm of needle and 3 mm of thread are between the blades: the thread is cut, in its middle.
+TEST(Scissors, CutTheThreadBehindANeedle) {
+  TextRun run(
+      "<SutureThread name='a' needle_length='20 mm' needle_angle='0' thread_length='40 mm' "
+      "thread_beams='40' tip_direction='-1 0 0'/><Track name='still' times='0'/>"
+      "<Grasper name='holder' at='10 mm' track='still'/>"
+      "<Scissors track='still' centre='13 0 0 mm' size='20 2 2 mm' times='10 ms'/>",
+      "dt='5 ms' gravity='0 0 -9.81'");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.5);
+  EXPECT_EQ(run.number("/scissors", "cuts"), 1);
+  EXPECT_EQ(run.number("/a", "cuts"), 1);
+  EXPECT_LT(run.vector("/a", "end_position").z(), -1.0);   // has fallen for 0.49 s
+  EXPECT_GT(run.vector("/a", "tip_position").z(), -1e-3);  // is held
+}
+
 constexpr const char* between_hands =
     "<SutureThread name='a' needle_length='0' thread_length='40 mm' thread_beams='40' "
     "tip_direction='-1 0 0' damping_stiffness='0.1 ms' STRENGTH/>"
