@@ -20,8 +20,8 @@ void GaussSeidel::describe(Describe<GaussSeidel>& d) {
       "measured. See docs/theory/solver.md.");
   d.attribute("tolerance", &GaussSeidel::tolerance_, "1",
               {.low = 0, .high = 1e-3, .low_open = true},
-              "Law residual at which the solve stops; within a step also a millionth of what it "
-              "begins with, if that is more.");
+              "Law residual at which the solve stops; a thousand times that, of the residual with "
+              "which it begins, is enough for a pass of a step.");
   d.attribute("sweeps", &GaussSeidel::sweeps_, between(1, 1000000),
               "Budget: sweeps over all blocks in one solve.");
   d.attribute("seed", &GaussSeidel::seed_, at_least(0), "Seed of the order of blocks.");

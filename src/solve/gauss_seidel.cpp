@@ -13,9 +13,9 @@ namespace {
 constexpr Index patience = 5;
 constexpr int most_taken_back = 3;
 constexpr Real negligible = 1e-12;
-// A pass whose events are held is not the last word: it need not be solved to less than this share
-// of what it begins with, nor of the units.
-constexpr Real share_of_pass = 1e-6;
+// A pass, whose events are held, is not the last word: it need not be solved to less than so many
+// tolerances of what it begins with, nor of the units.
+constexpr Real coarser = 1e3;
 
 }  // namespace
 
@@ -96,7 +96,7 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   const Real before = look(problem).value;
   goal_ = options_.tolerance;
   if (problem.hold_events && before > 0)
-    goal_ = std::max(goal_, share_of_pass * std::min(before, Real(1)));
+    goal_ *= std::max(Real(1), coarser * std::min(before, Real(1)));
   SolveReport first;
   if (options_.acceleration == Acceleration::subspace && before > goal_ && linear_.find(problem) &&
       linear_.eliminate(problem, others_)) {

@@ -23,7 +23,7 @@ enum class Acceleration {
 
 struct GaussSeidelOptions {
   /// Of the law residual, in units of the blocks. What is solved for a pass (`hold_events`) may end
-  /// at 1e-6 of these, and of what it begins with.
+  /// at a thousand times that, of the units and of what it begins with.
   Real tolerance = 1e-9;
   Index sweeps = 1000;     ///< budget
   std::uint64_t seed = 1;  ///< of the order of blocks

@@ -24,8 +24,7 @@ ConstraintProblem& IdleBlocks::without(const ConstraintProblem& problem) {
     const ConstraintBlock& b = problem.blocks[i];
     others_.blocks.push_back(b);
     others_.blocks.back().first_row = rows;
-    for (Index k = 0; k < b.law->dim; ++k)
-      row_[static_cast<std::size_t>(b.first_row + k)] = rows++;
+    for (Index k = 0; k < b.law->dim; ++k) row_[static_cast<std::size_t>(b.first_row + k)] = rows++;
   }
   for (GrowingVec* v : {&others_.gap, &others_.d_free, &others_.lambda, &others_.delta})
     v->resize(rows);
@@ -71,8 +70,7 @@ void IdleBlocks::put_back(ConstraintProblem& problem) const {
     // What its law says of an open gap, whatever the compliance.
     Real W[max_block_dim * max_block_dim] = {}, lambda[max_block_dim] = {};
     for (int k = 0; k < b.law->dim; ++k) W[k * (b.law->dim + 1)] = b.units.length / b.units.force;
-    b.law->project(
-        {W, problem.gap.data() + b.first_row, problem.block_params(b), &b.mode, lambda});
+    b.law->project({W, problem.gap.data() + b.first_row, problem.block_params(b), &b.mode, lambda});
   }
 }
 

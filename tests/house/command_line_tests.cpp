@@ -74,7 +74,8 @@ TEST_F(CommandLine, ASceneInTheCurrentFolderFindsItsFiles) {
 
 TEST_F(CommandLine, ARunThatMissesItsTolerancesIsFiveUnlessLenient) {
   const std::string run = "run '" SUTURA_SOURCE_DIR
-                          "/scenes/components/SutureThread.xml' --steps 2 --set .tolerance=1e-12" +
+                          "/scenes/components/SutureThread.xml' --steps 2 --set .tolerance=1e-12 "
+                          "--set .passes=1 --set .substeps=1" +
                           output();
   const Outcome out = command(run);
   EXPECT_EQ(out.code, 5) << out.text;
@@ -85,7 +86,7 @@ TEST_F(CommandLine, ARunThatMissesItsTolerancesIsFiveUnlessLenient) {
 TEST_F(CommandLine, ARunThatGoesOnKnowsWhatWasMissedBefore) {
   const std::string hasty = "run '" SUTURA_SOURCE_DIR
                             "/scenes/components/SutureThread.xml' --set .tolerance=1e-12 "
-                            "--set '.dt=10 ms'" +
+                            "--set .passes=1 --set .substeps=1 --set '.dt=10 ms'" +
                             output();
   EXPECT_EQ(command(hasty + " --steps 4 --checkpoint-every 1us").code, 5);
   const std::string state = (folder_.path() / "out/checkpoint.sutura").string();

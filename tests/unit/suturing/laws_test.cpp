@@ -154,8 +154,7 @@ TEST(PunctureLaw, PressingIsOnItsGraph) {
     const Vec3 delta = W * lambda + d;
     Mode after = mode;
     // Events only at the threshold while the surface yields.
-    EXPECT_EQ(PunctureLaw::event(p, delta, after, lambda),
-              yields && p.normal.dot(delta) < 0);
+    EXPECT_EQ(PunctureLaw::event(p, delta, after, lambda), yields && p.normal.dot(delta) < 0);
     if (!yields || !(p.normal.dot(delta) < 0)) continue;
     // The same pair of delta and lambda where the normal has turned by a tenth of a radian.
     PunctureLaw::Params turned = p;

@@ -29,8 +29,7 @@ struct Suture {
   void steps(int count, Real dt = 0.01, const Vec3& gravity = Vec3::Zero()) {
     for (int i = 0; i < count; ++i) {
       const StepContext context{.dt = dt, .time = time, .step = i, .gravity = gravity};
-      if (test::step_alone(thread, context, test::Alone{well_balanced, 100}) == 0)
-        ++unbalanced;
+      if (test::step_alone(thread, context, test::Alone{well_balanced, 100}) == 0) ++unbalanced;
       time += dt;
     }
   }
