@@ -58,6 +58,7 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
   tensions_.clear();
   const Rod& rod = thread->rod();
+  for (Index e = 0; e < rod.beams(); ++e) thread->set_limit_tension(e, 0);
   ElementState s;
   Index next = 0;
   while (next < rod.beams()) {
@@ -91,6 +92,9 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
     if (room > 0.99 * limit * length) continue;
     const Key key =
         make_key(source_id_, static_cast<std::uint64_t>(std::llround(1e7 * rod.abscissa()[first])));
+    // Its force turns with the beams, which rows do not know.
+    const Real known = builder.known_force(key);
+    for (Index e = first; e < last; ++e) thread->set_limit_tension(e, known);
     const BlockId block = builder.add<Unilateral>(key, {}, BlockVector<1>(room), Unilateral::open,
                                                   {.force = 0.1, .length = limit * length});
     builder.couple(block, *thread, Eigen::Matrix<Real, 1, 3>(along.transpose()), J, at.position);

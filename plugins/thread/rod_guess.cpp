@@ -67,7 +67,7 @@ void RodGuess::resize(Index nodes) {
   const auto n = static_cast<std::size_t>(nodes);
   for (auto* v : {&motion, &missing}) v->clear(6 * nodes);
   force.resize(nodes);
-  tension.assign(n - 1, 0);
+  for (auto* v : {&tension, &limit_tension}) v->assign(n - 1, 0);
   beams.resize(n - 1);
   at_work.assign(n, {});
 }
@@ -76,7 +76,7 @@ void RodGuess::reserve(Index nodes) {
   const auto n = static_cast<std::size_t>(nodes);
   for (auto* v : {&motion, &missing}) v->reserve(6 * nodes);
   force.reserve(nodes);
-  tension.reserve(n);
+  for (auto* v : {&tension, &limit_tension}) v->reserve(n);
   beams.reserve(n);
   at_work.reserve(n);
 }

@@ -71,6 +71,8 @@ struct RodGuess {
   DofVector motion;  ///< from the start: shift and turn of every node (see `turned`; m, rad)
   ConstraintForce force;
   std::vector<Real> tension;  ///< per beam, that the pass before predicted, N
+  /// Per beam, that an Elongation is known to bear beside it (N): it turns with the beam.
+  std::vector<Real> limit_tension;
 
   // What `move` and `evaluate` find there.
   std::vector<ElementState> beams;

@@ -31,6 +31,8 @@ class RodStep {
 
   /// Dead loads of the steps to come (N, N m; 6 per node), or empty: none.
   void set_load(const VecX& load);
+  /// At the present guess, of a beam: what an Elongation bears there (N).
+  void set_limit_tension(Index beam, Real tension) { guess_.limit_tension[beam] = tension; }
   /// Begins a step where the last one ended, or the same step anew with another length or order.
   /// Of `order` 2 it looks back two steps, if the last one was begun so and is not too short.
   void begin(Rod& rod, Real dt, const Vec3& gravity, Index order = 1);

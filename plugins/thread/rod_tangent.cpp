@@ -18,12 +18,13 @@ void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Ind
                Tangent tangent, ElementMatrix& k) {
   const Real beta = start.damping.stiffness, n = guess.tension[e];
   const bool exact = tangent == Tangent::exact;
+  const Real all = n + guess.limit_tension[e];
   ElementState s = guess.beams[e];
   if (exact) {
-    s.tension = n;
+    s.tension = all;
     hessian(rod.element(e), s, k);
   } else {
-    step_stiffness(rod.element(e), s, std::max(n, 0.), k);
+    step_stiffness(rod.element(e), s, std::max(all, 0.), k);
   }
   if (!(beta > 0)) return;
   const Real change = n - rod.element(e).axial * start.deformation[e].strain;  // times beta/h

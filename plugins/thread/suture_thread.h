@@ -129,6 +129,8 @@ class SutureThread : public Component,
     Real from = 0, to = 0, tension = 0;
   };
   void bear(const std::vector<LimitTension>& limits);
+  /// What a limit of stretch bears on a beam at the present guess, as far as it is known (N).
+  void set_limit_tension(Index beam, Real tension) { step_.set_limit_tension(beam, tension); }
   struct SectionState {
     Real curvature = 0, twist = 0, tension = 0;
     Vec3 force = Vec3::Zero();

@@ -279,5 +279,28 @@ INSTANTIATE_TEST_SUITE_P(AtAnyStepAndAnyBeams, ColumnPushed,
                                            Column{3.01e-3, 40}, Column{7e-3, 20},
                                            Column{20e-3, 80}));
 
+// 0.3 N draw at the end of a thread at its limit, then 20 mN at its middle, across. Its lower half
+// turns to that: the force of the limit has to turn with it, also in the matrix of the step.
+TEST(ElongationOf, ATautThreadTurnsWithIt) {
+  TextRun run(
+      "<SutureThread name='a' needle_length='0' thread_young='1 GPa' thread_diameter='0.2 mm' "
+      "thread_length='40 mm' thread_beams='80' tip_direction='-1 0 0' plane_normal='0 0 1' "
+      "damping_mass='100'/><Elongation limit='1e-3'/><Track name='still' times='0'/>"
+      "<Grasper name='hand' at='0' track='still' rotation_stiffness='0'/>"
+      "<ThreadLoad name='along' at='40 mm' force='0.3 0 0' times='0 50 ms' factors='0 1'/>"
+      "<ThreadLoad name='aside' at='20 mm' force='0 0.02 0' times='0.1 0.2 s' factors='0 1'/>",
+      "dt='5 ms' gravity='0 0 0'");
+  ASSERT_TRUE(run) << run.said();
+  Index most = 0;
+  for (int i = 0; i < 100; ++i) most = std::max(most, run.simulation().step().passes);
+  EXPECT_LE(most, 3);
+  EXPECT_EQ(run.simulation().report().missed_steps, 0);
+  EXPECT_LT((run.vector("/hand", "force") - Vec3(-0.3, -0.02, 0)).norm(), 1e-6);
+  // Statics: the half before the middle bears (0.3, 0.02) N; where the two meet the thread's own
+  // stiffness rounds the corner by sqrt(EI / T) = 0.5 mm, of which its angle takes little.
+  const Real half = 20e-3 * (1 + 1e-3), angle = std::atan(0.02 / 0.3);
+  EXPECT_NEAR(run.vector("/a", "end_position").y(), half * std::sin(angle), 2e-5);
+}
+
 }  // namespace
 }  // namespace sutura::testing

@@ -1,6 +1,7 @@
 #include "solve/problem_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -17,8 +18,10 @@ const LawOperations* const laws[] = {&law_operations<Bilateral<2>>,
                                      &law_operations<suturing::PathFrictionLaw>};
 
 struct ProblemFile : ::testing::Test {
-  std::string file =
-      (std::filesystem::temp_directory_path() / "sutura_problem_file_test.problem").string();
+  // A name of its own: tests run beside each other.
+  std::string file = (std::filesystem::temp_directory_path() /
+                      ("sutura_problem_file_" + std::to_string(getpid()) + ".problem"))
+                         .string();
   ~ProblemFile() override { std::filesystem::remove(file); }
 };
 

@@ -2,6 +2,7 @@
 #include "rest_shape.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -48,7 +49,9 @@ TEST(RestShape, BendsToAnySideWithoutTwist) {
 class RestFile : public ::testing::Test {
  protected:
   std::vector<RestPiece> read(const std::string& text) {
-    const auto file = std::filesystem::temp_directory_path() / "sutura_rest_shape_test.csv";
+    // A name of its own: tests run beside each other.
+    const auto file = std::filesystem::temp_directory_path() /
+                      ("sutura_rest_shape_" + std::to_string(getpid()) + ".csv");
     std::ofstream(file) << text;
     auto pieces = read_rest_shape(file, line_, error_);
     std::filesystem::remove(file);
