@@ -92,14 +92,10 @@ bool BlockGaussSeidel::direct_step_pays(const ConstraintProblem& problem, Index 
 SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   trouble_.clear();
   if (problem.blocks.empty()) return {};
-  load(problem);
-  const Real before = look(problem).value;
-  goal_ = options_.tolerance;
-  if (problem.hold_events && before > 0)
-    goal_ *= std::max(Real(1), coarser * std::min(before, Real(1)));
+  goal_ = 0;  // not known yet
   SolveReport first;
-  if (options_.acceleration == Acceleration::subspace && before > goal_ && linear_.find(problem) &&
-      linear_.eliminate(problem, others_)) {
+  if (options_.acceleration == Acceleration::subspace && linear_.find(problem) &&
+      !is_solved(problem) && linear_.eliminate(problem, others_)) {
     others_.hold_events = true;
     compliance_.keep(linear_.others());
     first = iterate(others_, std::min(patience, options_.sweeps), false);
@@ -112,6 +108,18 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   report.direct_solves += first.direct_solves;
   report.factorisations += first.factorisations;
   return report;
+}
+
+Real BlockGaussSeidel::goal_of(const ConstraintProblem& problem, Real before) const {
+  if (!problem.hold_events || !(before > 0)) return options_.tolerance;
+  return options_.tolerance * std::max(Real(1), coarser * std::min(before, Real(1)));
+}
+
+bool BlockGaussSeidel::is_solved(ConstraintProblem& problem) {
+  load(problem);
+  const Real residual = look(problem).value;
+  goal_ = goal_of(problem, residual);
+  return residual <= goal_;
 }
 
 Residual BlockGaussSeidel::look(ConstraintProblem& problem) {
@@ -179,6 +187,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
   SolveReport report;
   begin(problem);
   Residual residual = look_anew(problem);
+  if (goal_ == 0) goal_ = goal_of(problem, residual.value);
   bool softened = false;
   int taken_back = 0;
   while (std::isfinite(residual.value)) {

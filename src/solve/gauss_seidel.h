@@ -42,6 +42,10 @@ class BlockGaussSeidel {
   SolveReport solve(ConstraintProblem& problem);
 
  private:
+  /// Law residual at which a solve ends that begins with `before`.
+  Real goal_of(const ConstraintProblem& problem, Real before) const;
+  /// By the forces it begins with.
+  bool is_solved(ConstraintProblem& problem);
   /// Sweeps and direct steps until every block obeys its law, or the budget is spent.
   SolveReport iterate(ConstraintProblem& problem, Index sweeps, bool may_soften);
   void begin(ConstraintProblem& problem);
@@ -64,7 +68,7 @@ class BlockGaussSeidel {
 
   GaussSeidelOptions options_;
   Pause pause_;
-  Real goal_ = 0;  ///< law residual at which this solve ends
+  Real goal_ = 0;  ///< of this solve; 0: not known yet
   Compliance compliance_;
   SubspaceStep subspace_;
   LinearRows linear_;
