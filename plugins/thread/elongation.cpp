@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "sutura/archive.h"
 #include "sutura/laws/unilateral.h"
@@ -19,7 +20,9 @@ void Elongation::describe(Describe<Elongation>& d) {
       "elastic thread (N). Law: unilateral. Intervals end at a beam that is cut or torn.");
   d.attribute("limit", &Elongation::limit, "1", between(1e-6, 10), "Largest strain.");
   d.attribute("interval", &Elongation::interval, between(1, 4),
-              "Beams per row: more is cheaper, the limit then holds for their mean strain.");
+              "Beams per row: more is cheaper, and the limit then holds for their mean strain. Where "
+              "a load or a hand pulls within a row, single beams go beyond it; by more than a tenth "
+              "of the limit it is a fault.");
   d.link("thread", &Elongation::thread, "The thread.");
   d.output("tension", "N", "Largest tension that the limit adds.",
            [](const Elongation& e) { return e.largest_force(); });
@@ -30,20 +33,28 @@ void Elongation::describe(Describe<Elongation>& d) {
 void Elongation::archive(Archive& a) {
   a("largest_force", largest_force_);
   a("active", active_);
+  a("strain", strain_);
 }
 
 /// A balance of `settle` knows no limit. To draw the thread together at once would throw it.
 void Elongation::ready(Setup& setup) {
+  const Real most = largest_strain();
+  if (most > limit * (1 + 1e-6))
+    setup.error(*this, "the thread begins with a strain of " + format_real(most) +
+                           ", beyond 'limit'; lay it out shorter ('settle' knows no limit)");
+}
+
+/// Of a beam that is whole.
+Real Elongation::largest_strain() const {
   const Rod& rod = thread->rod();
   ElementState s;
   Real most = 0;
   for (Index e = 0; e < rod.beams(); ++e) {
+    if (rod.is_cut(e)) continue;
     rod.element_state(e, s);
     most = std::max(most, s.strain);
   }
-  if (most > limit * (1 + 1e-6))
-    setup.error(*this, "the thread begins with a strain of " + format_real(most) +
-                           ", beyond 'limit'; lay it out shorter ('settle' knows no limit)");
+  return most;
 }
 
 Elongation::Interval Elongation::interval_from(Index beam) const {
@@ -112,6 +123,15 @@ void Elongation::commit(const StepContext&, const SolvedBlocks& solved) {
     active_ += solved.mode(blocks_[i]) == Unilateral::closed;
   }
   thread->bear(tensions_);
+  strain_ = largest_strain();
+}
+
+std::string Elongation::fault() const {
+  if (!(strain_ > 1.1 * limit)) return {};
+  char text[160];
+  std::snprintf(text, sizeof text, "a beam is stretched by %.2g, beyond 'limit'%s", strain_,
+                interval > 1 ? ": 'interval' 1 limits every beam" : "");
+  return text;
 }
 
 }  // namespace sutura::thread

@@ -10,7 +10,7 @@ namespace sutura::thread {
 class Elongation : public Component, public ConstraintSource {
  public:
   Real limit = 1e-3;
-  Index interval = 4;
+  Index interval = 1;
   Link<SutureThread> thread;
   static void describe(Describe<Elongation>& d);
 
@@ -19,6 +19,7 @@ class Elongation : public Component, public ConstraintSource {
   void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  std::string fault() const override;
 
   Real largest_force() const { return largest_force_; }
   Index active() const { return active_; }
@@ -30,12 +31,14 @@ class Elongation : public Component, public ConstraintSource {
     Index first, last;
   };
   Interval interval_from(Index beam) const;
+  Real largest_strain() const;
 
   Index source_id_ = 0;
   std::vector<BlockId> blocks_;
   std::vector<SutureThread::LimitTension> tensions_;  ///< of each block
   Real largest_force_ = 0;
   Index active_ = 0;
+  Real strain_ = 0;  ///< largest of a beam, at the end of the last step
 };
 
 }  // namespace sutura::thread

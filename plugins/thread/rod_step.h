@@ -80,6 +80,7 @@ class RodStep {
 
  private:
   void set_start(Real dt);
+  void stay(Rod& rod);
   Real imbalance_of_whole(const Rod& rod, const Dofs& force, Real everywhere) const;
   bool is_compressed(const Rod& rod) const;
   void assemble_unpushed(const Rod& rod, Real convex);

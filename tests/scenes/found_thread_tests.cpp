@@ -71,6 +71,31 @@ TEST(ElongationOf, AThreadThatSettlesBeyondItIsRefused) {
   EXPECT_NE(run.said().find("beyond 'limit'"), std::string::npos) << run.said();
 }
 
+// 1 N pulls in the middle of a thread that hangs on one end only: that half is 0.1 % longer, the
+// other bears nothing. Over several beams a row limits the mean: the near ones then go beyond it.
+TEST(ElongationOf, AThreadIsHeldUpToALoadInItsMiddle) {
+  for (const char* interval : {"", "interval='4'"}) {
+    TextRun run(
+        "<SutureThread name='s' needle_length='0' thread='4-0 polypropylene' thread_length='100 "
+        "mm' thread_beams='20' tip_direction='-1 0 0' clamp='start' damping_stiffness='0.1 ms' "
+        "damping_mass='50 1/s'/><Elongation name='limit' limit='0.001' " +
+        std::string(interval) +
+        "/><ThreadLoad at='50 mm' force='1 0 0 N' times='0 0.1 s' factors='0 1'/>"
+        "<ThreadProbe name='middle' at='50 mm'/>");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.3);
+    const StepReport& report = run.simulation().report();
+    if (*interval != 0) {
+      ASSERT_FALSE(report.faults.empty());
+      EXPECT_NE(report.faults[0].find("beyond 'limit'"), std::string::npos) << report.faults[0];
+      continue;
+    }
+    EXPECT_TRUE(report.faults.empty());
+    EXPECT_NEAR(run.vector("/middle", "displacement").x(), 0.001 * 0.05, 1e-3 * 0.001 * 0.05);
+    EXPECT_NEAR(run.number("/s", "largest_strain"), 0.001, 1e-6);
+  }
+}
+
 struct Throw {
   Real part;        // of a step after which the hand lets go
   const char* way;  // of the hand, where it goes after that time (mm)
