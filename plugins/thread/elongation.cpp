@@ -19,10 +19,11 @@ void Elongation::describe(Describe<Elongation>& d) {
       "of the "
       "elastic thread (N). Law: unilateral. Intervals end at a beam that is cut or torn.");
   d.attribute("limit", &Elongation::limit, "1", between(1e-6, 10), "Largest strain.");
-  d.attribute("interval", &Elongation::interval, between(1, 4),
-              "Beams per row: more is cheaper, and the limit then holds for their mean strain. Where "
-              "a load or a hand pulls within a row, single beams go beyond it; by more than a tenth "
-              "of the limit it is a fault.");
+  d.attribute(
+      "interval", &Elongation::interval, between(1, 4),
+      "Beams per row: more is cheaper, and the limit then holds for their mean strain. Where "
+      "a load or a hand pulls within a row, single beams go beyond it; by more than a tenth "
+      "of the limit it is a fault.");
   d.link("thread", &Elongation::thread, "The thread.");
   d.output("tension", "N", "Largest tension that the limit adds.",
            [](const Elongation& e) { return e.largest_force(); });

@@ -179,14 +179,17 @@ TEST(Overhand, StaysWhereItIsWhenItsHandsRest) {
 
 // Which touches carry the force is chaotic: runs that differ by rounding alone pull with 2 % more
 // or less. So the mean of three draws is compared, which differ by a damping of no account here.
+// The hand stops as hands do: where it stops at once, from 92 mm/s, the knot slips back by more in
+// longer steps (docs/validation/knots.md).
 TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
   const char* steps[] = {"2.5 ms", "5 ms", "10 ms"};
   const char* draws[] = {"0", "1e-3 1/s", "2e-3 1/s"};
   Real forces[3] = {};
   for (int i = 0; i < 3; ++i) {
     for (const char* damping : draws) {
-      TextRun run = TextRun::file("knots/overhand.xml",
-                                  {{".dt", steps[i]}, {"/suture.damping_mass", damping}});
+      TextRun run = TextRun::file(
+          "knots/overhand.xml",
+          {{".dt", steps[i]}, {"/suture.damping_mass", damping}, {"/way.easing", "smooth"}});
       run.run(0.4);
       EXPECT_TRUE(run.simulation().report().solved);
       forces[i] += run.vector("/left", "force").norm() / 3;
