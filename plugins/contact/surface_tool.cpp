@@ -106,6 +106,7 @@ void SurfaceTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
   deepest_ = 0;
   for (std::size_t k = 0; k < surface_.surface_nodes().size(); ++k) find_at_node(k, out);
   if (tool_.shape().kind == Shape::Kind::plane) return;  // nowhere nearer than at a node
+  find_lying();
   for (Index t = 0; t < surface_.triangles(); ++t) find_inside(t, before, out);
 }
 
@@ -128,6 +129,24 @@ void SurfaceTool::find_at_node(std::size_t number, std::vector<Touch>& out) {
   if (way < 1 || tool_.shape().at(to).distance < reach)
     touch(static_cast<Real>(n.node), {n.triangle, n.weights}, tool_.shape().facet(on_the_way(way)),
           out);
+}
+
+/// A side of the tool lies on a triangle that it presses at all three corners.
+void SurfaceTool::find_lying() {
+  lies_at_.assign(static_cast<std::size_t>(surface_.surface_nodes().back().node) + 1, 0);
+  if (tool_.shape().is_round()) return;
+  constexpr char pressed = 1, lying = 2;
+  const auto state = [&](Index node) -> char& { return lies_at_[static_cast<std::size_t>(node)]; };
+  for (const MovingSurface::SurfaceNode& n : surface_.surface_nodes()) {
+    const Vec3 p = seen(surface_.point(n.node), Configuration::current);
+    if (tool_.shape().at(p).distance <= dip * surface_.edge_length()) state(n.node) = pressed;
+  }
+  for (Index t = 0; t < surface_.triangles(); ++t) {
+    const auto& nodes = surface_.nodes(t);
+    if (std::all_of(nodes.begin(), nodes.end(), [&](Index n) { return state(n) >= pressed; }))
+      for (const Index n : nodes) state(n) = lying;
+  }
+  for (char& s : lies_at_) s = s == lying;
 }
 
 void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<Touch>& out) {
@@ -161,14 +180,15 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   if (bulge > arc * edge && way_of(motion, [&](Real time) { return at(time) - bulge; }) < 1)
     knows_way_ = false;
   if (distance > margin * edge) return;
-  // A rim always cuts a little into the triangles around the nodes that it presses, and holding
-  // them there would make a punch wider than it is: only what tilts over an edge cuts in deeper. A
+  // Where a side of the tool lies on the surface, its rim always cuts a little into the triangles
+  // around, and holding them there would make a punch wider than it is: only what tilts over an
+  // edge cuts in deeper. Beside single nodes the rim itself is what presses, and left in there it
+  // would stay inside, resting on these nodes alone. A
   // wide round tool into all, by a sixth of the square of the edge over its radius. There nodes are
   // enough: a touch between them would move by that radius as the triangle tilts, and passes to and
   // fro.
   const bool is_cut = distance < std::min(Real(0), at_nodes) - cut * edge;
-  const bool is_between =
-      shape.is_round() ? shape.radius < wide * edge : at_nodes > dip * edge || is_cut;
+  const bool is_between = shape.is_round() ? shape.radius < wide * edge : !lies_beside(t) || is_cut;
   const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
   if (!is_between || !(was_touched || distance < at_nodes - dip * edge)) return;
   touch(name, {t, weights}, met.on, out);

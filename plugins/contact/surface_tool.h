@@ -2,6 +2,8 @@
 // triangle where the tool presses between them.
 #pragma once
 
+#include <vector>
+
 #include "bulge.h"
 #include "moving_curve.h"
 #include "moving_surface.h"
@@ -50,13 +52,21 @@ class SurfaceTool : public ToolPair {
   template <class At>
   Real way_of(Real motion, const At& distance) const;
   void find_at_node(std::size_t number, std::vector<Touch>& out);
+  void find_lying();
+  /// Does a side of the tool lie on the surface at a corner of this triangle?
+  bool lies_beside(Index triangle) const {
+    for (const Index n : surface_.nodes(triangle))
+      if (lies_at_[static_cast<std::size_t>(n)]) return true;
+    return false;
+  }
   void find_inside(Index triangle, const TouchedPlaces& before, std::vector<Touch>& out);
   void leave(const Corners& before, Touch& touch) const;
   void touch(Real name, const Place& place, const Facet& on, std::vector<Touch>& out) const;
 
   MovingSurface surface_;
   ToolWay way_;
-  Real deepest_ = 0;  ///< that a triangle is inside of the tool (m)
+  std::vector<char> lies_at_;  ///< by node: a side of the tool lies on a triangle there
+  Real deepest_ = 0;           ///< that a triangle is inside of the tool (m)
 };
 
 }  // namespace sutura::contact
