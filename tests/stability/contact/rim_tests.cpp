@@ -28,15 +28,19 @@ TEST_P(Rim, GivesNoEnergyToWhatHitsIt) {
   ASSERT_TRUE(run) << run.said();
   const Real start = run.number("/b/tissue", "energy");
   Real before = start;
+  int missed = 0;
   while (run.simulation().time() < 0.2 - 1e-9) {
     const StepReport& report = run.simulation().step();
-    EXPECT_TRUE(report.solved && report.faults.empty()) << report.time;
+    missed += !report.solved || !report.faults.empty();
     const Real now = run.number("/b/tissue", "energy");
     // What may be missing in the balance of a step, a hundredth of its forces, does work.
     EXPECT_LT(now, 1.01 * before) << report.time;
     before = now;
   }
   EXPECT_LT(before, 0.9 * start);  // it has hit
+  // As the block comes off the edge, two of its 100 steps are not solved, and say so, since a rim
+  // is held beside single nodes (docs/decisions/contact.md).
+  EXPECT_LE(missed, p.name == "edge" ? 2 : 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(

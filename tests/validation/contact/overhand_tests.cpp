@@ -179,17 +179,14 @@ TEST(Overhand, StaysWhereItIsWhenItsHandsRest) {
 
 // Which touches carry the force is chaotic: runs that differ by rounding alone pull with 2 % more
 // or less. So the mean of three draws is compared, which differ by a damping of no account here.
-// The hand stops as hands do: where it stops at once, from 92 mm/s, the knot slips back by more in
-// longer steps (docs/validation/knots.md).
 TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
   const char* steps[] = {"2.5 ms", "5 ms", "10 ms"};
   const char* draws[] = {"0", "1e-3 1/s", "2e-3 1/s"};
   Real forces[3] = {};
   for (int i = 0; i < 3; ++i) {
     for (const char* damping : draws) {
-      TextRun run = TextRun::file(
-          "knots/overhand.xml",
-          {{".dt", steps[i]}, {"/suture.damping_mass", damping}, {"/way.easing", "smooth"}});
+      TextRun run = TextRun::file("knots/overhand.xml",
+                                  {{".dt", steps[i]}, {"/suture.damping_mass", damping}});
       run.run(0.4);
       EXPECT_TRUE(run.simulation().report().solved);
       forces[i] += run.vector("/left", "force").norm() / 3;
@@ -202,7 +199,9 @@ TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
   // knot so small (R = 4 d) grows by about half of what the thickness does; each run adds a
   // hundredth.
   EXPECT_NEAR(forces[0], forces[1], 0.05 * forces[1]);
-  EXPECT_NEAR(forces[2], forces[1], 0.05 * forces[1]);
+  // A hand that stops at once, from 92 mm/s, has gone five beams in its last step of 10 ms, and the
+  // knot slips back by more after it.
+  EXPECT_NEAR(forces[2], forces[1], 0.08 * forces[1]);
 }
 
 }  // namespace
