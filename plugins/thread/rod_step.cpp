@@ -66,7 +66,6 @@ void RodStep::archive(Archive& a, const Rod& rod) {
   guess_.force.at.archive(a, "force");  // the first guess asks which nodes are pushed
   if (guess_.force.at.size() != rod.dofs()) a.fail("the state of another thread");
   before_.archive(a, rod);
-  a("rested", rested_);
   a("viscous_tension", viscous_tension_);
   if (viscous_tension_.size() + 1 != static_cast<std::size_t>(rod.nodes()))
     a.fail("the state of another thread");
@@ -110,7 +109,9 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   length_ = dt;
   order_ = order;
   set_start(dt);
-  stay(rod);
+  guess_.motion.setZero();
+  guess_.move(rod, start_);
+  guess_.take_tension();
   // Going on as before is the better guess, unless it turns beams too far for anything to be
   // linear. A rod that nothing holds also falls.
   const Real h = start_.dt;
@@ -121,32 +122,8 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   for (Index i = 0; i < rod.nodes() && falls; ++i) answer_.segment<3>(6 * i) += h * h * gravity;
   rod.stretches().spread(rod.poses(), answer_);
   if (largest_turn(rod, Configuration::start, answer_) > turn_limit) return;
-  if (pushed_ && rests(rod)) return;
   way_.aim(rod, guess_, answer_);
   way_.go(rod, start_, guess_, 1);
-}
-
-/// Is the rod balanced where it is, although its velocity would lead it on by a good part of a beam
-/// (`answer_`)? A knot that goes on by a whole beam in every step finds the same balance there, and
-/// would do so for ever. What moves on although it began a step at rest creeps, and is there sooner
-/// if it goes on.
-bool RodStep::rests(const Rod& rod) {
-  constexpr Real far = 0.25, stands = 0.02;  // of a beam
-  constexpr Real little = 0.01;              // of the forces at work
-  Real way = 0;
-  for (Index e = 0; e < rod.beams(); ++e)
-    way = std::max(way, answer_.segment<3>(6 * e).norm() / rod.element(e).length);
-  if (way < stands) rested_ = false;
-  if (rested_ || way < far || imbalance(rod, guess_.force.at).relative > little) return false;
-  rested_ = true;
-  return true;
-}
-
-/// The guess that nothing moves.
-void RodStep::stay(Rod& rod) {
-  guess_.motion.setZero();
-  guess_.move(rod, start_);
-  guess_.take_tension();
 }
 
 bool RodStep::linearise(const Rod& rod, const Dofs& force) {

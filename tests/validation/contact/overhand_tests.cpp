@@ -140,43 +140,6 @@ TEST(Overhand, ASuddenStartIsSolved) {
   }
 }
 
-/// Where along the thread it bends most: the mean abscissa, weighted by the square of the turn (m).
-Real place_of_knot(const SegmentedCurve& thread, int beams) {
-  const auto point = [&](int i) {
-    return thread.point(i * thread.length() / beams, Configuration::current);
-  };
-  Real sum = 0, moment = 0;
-  for (int i = 1; i < beams; ++i) {
-    const Vec3 before = (point(i) - point(i - 1)).normalized(),
-               after = (point(i + 1) - point(i)).normalized();
-    const Real weight = (after - before).squaredNorm();
-    sum += weight;
-    moment += weight * i * thread.length() / beams;
-  }
-  return moment / sum;
-}
-
-// The hands have stopped, and so has the knot: strands that are bent anew within half a millimetre
-// as it goes on lose their motion within microseconds by the damping of the thread. Steps whose
-// first guess always went on found the same balance one beam further on, and the knot travelled by
-// a beam in every step, 6 mm in the time looked at, until it slipped over an end of the thread.
-TEST(Overhand, StaysWhereItIsWhenItsHandsRest) {
-  constexpr int beams = 280;
-  for (const char* friction : {"0", "0.01"}) {
-    for (const char* dt : {"6 ms", "8 ms"}) {
-      TextRun run =
-          TextRun::file("knots/overhand.xml", {{".dt", dt}, {"/contact.friction", friction}});
-      const auto& thread = run.component<SegmentedCurve>("/suture");
-      run.run(0.35);
-      const Real before = place_of_knot(thread, beams);
-      run.run(0.6);
-      // What it settles by in that time is less than a beam; it went on by thirty.
-      EXPECT_NEAR(place_of_knot(thread, beams), before, thread.length() / beams)
-          << dt << ", friction " << friction;
-    }
-  }
-}
-
 // Which touches carry the force is chaotic: runs that differ by rounding alone pull with 2 % more
 // or less. So the mean of three draws is compared, which differ by a damping of no account here.
 TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
@@ -199,9 +162,7 @@ TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
   // knot so small (R = 4 d) grows by about half of what the thickness does; each run adds a
   // hundredth.
   EXPECT_NEAR(forces[0], forces[1], 0.05 * forces[1]);
-  // A hand that stops at once, from 92 mm/s, has gone five beams in its last step of 10 ms, and the
-  // knot slips back by more after it.
-  EXPECT_NEAR(forces[2], forces[1], 0.08 * forces[1]);
+  EXPECT_NEAR(forces[2], forces[1], 0.05 * forces[1]);
 }
 
 }  // namespace
