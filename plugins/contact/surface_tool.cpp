@@ -133,20 +133,16 @@ void SurfaceTool::find_at_node(std::size_t number, std::vector<Touch>& out) {
 
 /// A side of the tool lies on a triangle that it presses at all three corners.
 void SurfaceTool::find_lying() {
+  const Shape& shape = tool_.shape();
+  if (shape.is_round()) return;
   lies_at_.assign(static_cast<std::size_t>(surface_.surface_nodes().back().node) + 1, 0);
-  if (tool_.shape().is_round()) return;
-  constexpr char pressed = 1, lying = 2;
-  const auto state = [&](Index node) -> char& { return lies_at_[static_cast<std::size_t>(node)]; };
-  for (const MovingSurface::SurfaceNode& n : surface_.surface_nodes()) {
-    const Vec3 p = seen(surface_.point(n.node), Configuration::current);
-    if (tool_.shape().at(p).distance <= dip * surface_.edge_length()) state(n.node) = pressed;
-  }
   for (Index t = 0; t < surface_.triangles(); ++t) {
-    const auto& nodes = surface_.nodes(t);
-    if (std::all_of(nodes.begin(), nodes.end(), [&](Index n) { return state(n) >= pressed; }))
-      for (const Index n : nodes) state(n) = lying;
+    const Corners corners = seen_at(t, 1);
+    if (std::all_of(corners.begin(), corners.end(), [&](const Vec3& corner) {
+          return shape.at(corner).distance <= dip * surface_.edge_length();
+        }))
+      for (const Index n : surface_.nodes(t)) lies_at_[static_cast<std::size_t>(n)] = 1;
   }
-  for (char& s : lies_at_) s = s == lying;
 }
 
 void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<Touch>& out) {
@@ -183,10 +179,10 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   // Where a side of the tool lies on the surface, its rim always cuts a little into the triangles
   // around, and holding them there would make a punch wider than it is: only what tilts over an
   // edge cuts in deeper. Beside single nodes the rim itself is what presses, and left in there it
-  // would stay inside, resting on these nodes alone. A
-  // wide round tool into all, by a sixth of the square of the edge over its radius. There nodes are
-  // enough: a touch between them would move by that radius as the triangle tilts, and passes to and
-  // fro.
+  // would stay inside, resting on these nodes alone.
+  // A wide round tool cuts into all triangles, by a sixth of the square of the edge over its
+  // radius. There nodes are enough: a touch between them would move by that radius as the triangle
+  // tilts, and passes to and fro.
   const bool is_cut = distance < std::min(Real(0), at_nodes) - cut * edge;
   const bool is_between = shape.is_round() ? shape.radius < wide * edge : !lies_beside(t) || is_cut;
   const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
