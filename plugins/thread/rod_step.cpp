@@ -44,7 +44,7 @@ void RodStep::fit(const Rod& rod) {
   guess_.resize(n);
   way_.resize(n);
   matrix_.resize(rod.stretches().blocks());
-  for (auto* v : {&change_, &answer_}) v->clear(6 * n);
+  for (auto* v : {&change_, &answer_, &last_force_}) v->clear(6 * n);
   viscous_tension_.assign(static_cast<std::size_t>(n - 1), 0);
   in_step_ = false;
 }
@@ -57,14 +57,13 @@ void RodStep::reserve(Index beams) {
   guess_.reserve(n);
   way_.reserve(n);
   matrix_.reserve(n);
-  for (auto* v : {&change_, &answer_}) v->reserve(6 * n);
+  for (auto* v : {&change_, &answer_, &last_force_}) v->reserve(6 * n);
   viscous_tension_.reserve(static_cast<std::size_t>(n));
 }
 
 void RodStep::archive(Archive& a, const Rod& rod) {
-  a("pushed", pushed_);
-  guess_.force.at.archive(a, "force");  // the first guess asks which nodes are pushed
-  if (guess_.force.at.size() != rod.dofs()) a.fail("the state of another thread");
+  last_force_.archive(a, "force");
+  if (last_force_.size() != rod.dofs()) a.fail("the state of another thread");
   before_.archive(a, rod);
   a("viscous_tension", viscous_tension_);
   if (viscous_tension_.size() + 1 != static_cast<std::size_t>(rod.nodes()))
@@ -109,21 +108,43 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   length_ = dt;
   order_ = order;
   set_start(dt);
-  guess_.motion.setZero();
-  guess_.move(rod, start_);
-  guess_.take_tension();
+  guess_.force.at = last_force_;
+  stay(rod);
+  const bool pushed = !last_force_.isZero(0);
+  const Real lacks = pushed ? imbalance(rod, last_force_).relative : 0;
+  change_ = guess_.missing;
   // Going on as before is the better guess, unless it turns beams too far for anything to be
   // linear. A rod that nothing holds also falls.
   const Real h = start_.dt;
   answer_ = start_.carried.shift_and_tilt + h * start_.velocity;
   for (Index i = 0; i < rod.nodes() && share_ > 0; ++i)
     answer_.segment<3>(6 * i + 3) += start_.carried.roll[i] * tangent(rod.poses()[i]);
-  const bool falls = !pushed_ && !rod.is_held();
+  const bool falls = !pushed && !rod.is_held();
   for (Index i = 0; i < rod.nodes() && falls; ++i) answer_.segment<3>(6 * i) += h * h * gravity;
   rod.stretches().spread(rod.poses(), answer_);
   if (largest_turn(rod, Configuration::start, answer_) > turn_limit) return;
   way_.aim(rod, guess_, answer_);
   way_.go(rod, start_, guess_, 1);
+  if (pushed && goes_uphill(lacks, rod)) stay(rod);
+}
+
+/// The guess that nothing moves.
+void RodStep::stay(Rod& rod) {
+  guess_.motion.setZero();
+  guess_.move(rod, start_);
+  guess_.take_tension();
+}
+
+/// Whether the guess that goes on has a higher potential than the one that stays, under the forces
+/// of the last step, and clearly less balance: then what moves is stiff, and not inertia. A knot
+/// that goes on by a whole beam in every step finds the same balance there, for ever.
+/// `lacks`: the relative imbalance of the one that stays; `change_`: what it is missing.
+bool RodStep::goes_uphill(Real lacks, const Rod& rod) {
+  constexpr Real clearly = 2;
+  // The mean of the forces at both ends of the way; a difference of energies drowns in rounding.
+  change_ = (change_ + guess_.missing) / 2 + start_.dt * last_force_;
+  return change_.dot(guess_.motion) < 0 &&
+         imbalance(rod, last_force_).relative > clearly * lacks;
 }
 
 bool RodStep::linearise(const Rod& rod, const Dofs& force) {
@@ -282,11 +303,10 @@ bool RodStep::goes_on_as_before(const Rod& rod) {
 }
 
 void RodStep::end(Rod& rod, const Dofs& force) {
-  pushed_ = force.size() > 0 && !force.isZero(0);
-  if (pushed_)
-    guess_.force.at = force;
+  if (force.size() > 0)
+    last_force_ = force;
   else
-    guess_.force.at.setZero();
+    last_force_.setZero();
   for (NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
     spring.roll = guess_.roll(rod, spring);

@@ -35,6 +35,7 @@ class RodStep {
   void set_limit_tension(Index beam, Real tension) { guess_.limit_tension[beam] = tension; }
   /// Begins a step where the last one ended, or the same step anew with another length or order.
   /// Of `order` 2 it looks back two steps, if the last one was begun so and is not too short.
+  /// The first guess goes on as before, or stays where that is better.
   void begin(Rod& rod, Real dt, const Vec3& gravity, Index order = 1);
   /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
   /// if A is not positive definite.
@@ -80,6 +81,8 @@ class RodStep {
 
  private:
   void set_start(Real dt);
+  void stay(Rod& rod);
+  bool goes_uphill(Real lacks, const Rod& rod);
   Real imbalance_of_whole(const Rod& rod, const Dofs& force, Real everywhere) const;
   bool is_compressed(const Rod& rod) const;
   void assemble_unpushed(const Rod& rod, Real convex);
@@ -98,10 +101,10 @@ class RodStep {
   RodWay way_;
   BlockTridiagonal matrix_;
   DofVector change_, answer_;
+  DofVector last_force_;  ///< of constraints, in the last step (N, N m)
   DeadMoments moments_;
   std::vector<Real> viscous_tension_;  ///< per beam
   bool in_step_ = false;
-  bool pushed_ = false;  ///< by constraints, in the last step
   bool part_way_ = false;
   bool stuck_ = false;
 };
