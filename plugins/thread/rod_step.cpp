@@ -65,6 +65,7 @@ void RodStep::archive(Archive& a, const Rod& rod) {
   last_force_.archive(a, "force");
   if (last_force_.size() != rod.dofs()) a.fail("the state of another thread");
   before_.archive(a, rod);
+  a("kinetic_energy", kinetic_energy_);
   a("viscous_tension", viscous_tension_);
   if (viscous_tension_.size() + 1 != static_cast<std::size_t>(rod.nodes()))
     a.fail("the state of another thread");
@@ -100,6 +101,10 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   start_.gravity = gravity;
   start_.damping = damping;
   if (!in_step_) {
+    constexpr Real clearly = 1.1;
+    const Real energy = rod.kinetic_energy();
+    speeds_up_ = energy > clearly * kinetic_energy_;
+    kinetic_energy_ = energy;
     rod.mark_start();
     start_.twist = rod.twist();
     now_.take(rod, damping.stiffness > 0);
@@ -125,7 +130,7 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   if (largest_turn(rod, Configuration::start, answer_) > turn_limit) return;
   way_.aim(rod, guess_, answer_);
   way_.go(rod, start_, guess_, 1);
-  if (pushed && goes_uphill(lacks, rod)) stay(rod);
+  if (pushed && !speeds_up_ && goes_uphill(lacks, rod)) stay(rod);
 }
 
 /// The guess that nothing moves.
@@ -136,15 +141,15 @@ void RodStep::stay(Rod& rod) {
 }
 
 /// Whether the guess that goes on has a higher potential than the one that stays, under the forces
-/// of the last step, and clearly less balance: then what moves is stiff, and not inertia. A knot
-/// that goes on by a whole beam in every step finds the same balance there, for ever.
+/// of the last step, and is clearly less balanced: then stiffness decides how the rod moves, and
+/// not inertia. A knot that goes on by a whole beam in every step finds the same balance there, for
+/// ever; what has lost its balance speeds up, and is let go on.
 /// `lacks`: the relative imbalance of the one that stays; `change_`: what it is missing.
 bool RodStep::goes_uphill(Real lacks, const Rod& rod) {
   constexpr Real clearly = 2;
   // The mean of the forces at both ends of the way; a difference of energies drowns in rounding.
   change_ = (change_ + guess_.missing) / 2 + start_.dt * last_force_;
-  return change_.dot(guess_.motion) < 0 &&
-         imbalance(rod, last_force_).relative > clearly * lacks;
+  return change_.dot(guess_.motion) < 0 && imbalance(rod, last_force_).relative > clearly * lacks;
 }
 
 bool RodStep::linearise(const Rod& rod, const Dofs& force) {

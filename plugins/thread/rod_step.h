@@ -106,6 +106,8 @@ class RodStep {
   std::vector<Real> viscous_tension_;  ///< per beam
   bool in_step_ = false;
   bool part_way_ = false;
+  bool speeds_up_ = false;   ///< as the step begins
+  Real kinetic_energy_ = 0;  ///< as the step began (J)
   bool stuck_ = false;
 };
 
