@@ -145,7 +145,8 @@ TEST(RigidKnot, IsSavedAndRestoredToTheBit) {
 }
 
 // A granny at rest is rigid; when the legs of its loop are drawn apart it is free, and slips as it
-// does without.
+// does without. It slips on for 0.4 s after the load of its ends has stopped falling, so its legs
+// wait longer than in the scene.
 TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
   const auto ends = [](KnotRun& run) {
     return run.vector("/suture", "end_position").x() - run.vector("/suture", "tip_position").x();
@@ -153,24 +154,26 @@ TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
   Real slipped = 0, slipped_free = 0, pull = 0, free_pull = 0;
   for (const char* damping : {"20 1/s", "20.001 1/s", "20.002 1/s"}) {
     const Overrides granny = {{"/suture.thread_start_file", "granny_start.csv"},
+                              {"/left_way.times", "0 0.5 1.6 2.8 s"},
+                              {"/right_way.times", "0 0.5 1.6 2.8 s"},
                               {"/suture.damping_mass", damping}};
     KnotRun rigid(true, granny, "knots/rigid.xml"), free(false, granny, "knots/rigid.xml");
-    while (rigid.simulation().time() < 1.1 &&
+    while (rigid.simulation().time() < 1.6 &&
            (rigid.simulation().time() < 0.85 || rigid.knots("rigid") == 0))
       rigid.simulation().step();
     const Real pull_then = rigid.pull();
-    rigid.run(1.1), free.run(1.1);
+    rigid.run(1.6), free.run(1.6);
     EXPECT_EQ(rigid.knots("rigid"), 1);
     EXPECT_NEAR(rigid.pull(), pull_then, 0.02 * pull_then);
     EXPECT_EQ(rigid.knots("throws"), 2);
     EXPECT_EQ(rigid.knots("determinant"), 9);
     EXPECT_NE(rigid.knots("left_throws"), 1);  // both of one hand
     EXPECT_LT(rigid.simulation().report().rows, free.simulation().report().rows / 3);
-    // Rigid while its ends were still drawn, it has slipped otherwise since. What a granny comes to
-    // rest with depends on that: 56 to 66 mN at 2.5 and 5 ms, with tolerances of 0.01 and 0.001.
+    // Rigid while its ends were still drawn, it has slipped otherwise since, and what a granny comes
+    // to rest with depends on that. (Three that are free, at 2.5 and 5 ms: 53.2 to 54.9 mN.)
     EXPECT_NEAR(rigid.pull(), free.pull(), 0.1 * free.pull());
     const Real before = ends(rigid), before_free = ends(free), releases = rigid.knots("releases");
-    rigid.run(1.3), free.run(1.3);
+    rigid.run(1.8), free.run(1.8);
     EXPECT_EQ(rigid.knots("rigid"), 0);
     EXPECT_EQ(rigid.knots("releases"), releases + 1);
     pull += rigid.pull() / 3, free_pull += free.pull() / 3;
