@@ -160,11 +160,11 @@ TEST(Overhand, ItsForceDoesNotDependOnTheStep) {
       EXPECT_GT(run.number("/contact", "distance"), -diameter / 20);
     }
   }
-  // Between two touches strands may be nearer by a twentieth of the thickness, and the force of a
-  // knot so small (R = 4 d) grows by about half of what the thickness does; eight draws differ by
-  // up to 3 % (standard deviation), so that the mean of three is known to 2 %.
-  EXPECT_NEAR(forces[0], forces[1], 0.05 * forces[1]);
-  EXPECT_NEAR(forces[2], forces[1], 0.05 * forces[1]);
+  // Between two touches strands may be nearer by a twentieth of the thickness, of which a part
+  // changes the force of a knot so small (R = 4 d); eight draws differ by 0.6 to 1.4 % (standard
+  // deviation), and their means by 0.3 %.
+  EXPECT_NEAR(forces[0], forces[1], 0.03 * forces[1]);
+  EXPECT_NEAR(forces[2], forces[1], 0.03 * forces[1]);
 }
 
 // A knot between hands at rest stays where it is. A thread of equal beams is in balance there at
