@@ -15,12 +15,14 @@ constexpr Real margin = 0.5;         // a touch is built from this far, before t
 constexpr Real node_margin = 0.25;   // and at nodes of strands that run along each other
 constexpr Real clearance = 0.5;      // centrelines may come as near to each other on their ways
 constexpr Real arc = clearance / 2;  // so far off its straight way none gets through
-constexpr Real dip = 0.05;           // what strands may be nearer than at the touches beside
+constexpr Real nearer = 1e-3;        // by more than at the touches beside: there is one too
+constexpr Real dip = 0.05;           // so much of an overlap a step takes back
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 constexpr Real doubles = 0.05;  // touches closer than this on both are one
-// Strands run along each other if the cosine between them is larger.
-constexpr Real along = 0.5;
+// Strands cross where the distance grows faster than this (`sharpness`): straight ones from 30
+// degrees on.
+constexpr Real crossing = 0.25;
 // Between two points that touch a strand must turn by pi, at least; less what segments hide.
 constexpr Real least_turn = 2.5;
 
@@ -57,6 +59,15 @@ Real bend(const CurveSegment& s, Real u, const Vec3& towards, Real distance) {
   constexpr Real tightest = 0.9;  // a strand that is bent as tight as it is thick has no limit
   if (!(curvature > 0)) return 0;
   return curvature / (1 - std::min(curvature * distance, tightest));
+}
+
+/// How fast the distance grows along `a` from the nearest place: by s^2 / (2 d) times this. For
+/// straight strands it is the square of the sine between them. It is less where one is bent round
+/// the other, as in a tight knot, whatever the angle.
+Real sharpness(const CurveSegment& a, const CurveSegment& c, const ClosestPair& at) {
+  const Real d = at.distance, cosine = a.slope(at.u).normalized().dot(c.slope(at.v).normalized());
+  const Vec3 n = at.apart / d;
+  return 1 / (1 + d * bend(a, at.u, -n, d)) - cosine * cosine * (1 + d * bend(c, at.v, n, d));
 }
 
 /// Cosine between the way from one place to the other and the tangent t of one of the strands.
@@ -205,10 +216,10 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   const auto is_on_b = [&](const ClosestPair& at) {
     return is_lowest(at.v, slope(at, c.slope(at.v)), b(), j);
   };
-  // Strands along each other touch at the nodes of the first.
+  // Strands along each other touch at the nodes of the first. Those that cross do not: the normal
+  // at a node beside the nearest place leans along the strand, and the node is a bead in its way.
   Real nearest = std::numeric_limits<Real>::infinity();
-  const Real cosine = a.slope(end.u).normalized().dot(c.slope(end.v).normalized());
-  const bool is_along = std::abs(cosine) > along;
+  const bool is_along = !(sharpness(a, c, end) > crossing);
   for (const Real u : {0., 1.}) {
     if (!is_along) break;
     const ClosestPair at = closest_to(a.point(u), u, c);
@@ -229,7 +240,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   // Where strands are deep in each other the nearest place always is a touch: beside one that is
   // pushed apart they may come closer.
   const bool is_deep = end.distance < (1 - 2 * dip) * R;
-  if (is_on_a && is_on_b(end) && (is_deep || end.distance < nearest - dip * R))
+  if (is_on_a && is_on_b(end) && (is_deep || end.distance < nearest - nearer * R))
     out.push_back(touch_at(i, j, end));
 }
 

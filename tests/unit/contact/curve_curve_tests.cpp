@@ -43,10 +43,10 @@ struct Crossed {
   std::vector<Touch> touches;
 };
 
-// Whatever the angle: touches at nodes below 60 degrees, one where they cross above.
+// Whatever the angle: touches at nodes below 30 degrees, one where they cross above.
 TEST(CurveCurve, FindsATouchAgainAtItsPlace) {
   constexpr Real height = 0.19e-3, place = 10.03e-3, aside = 0.03e-3;
-  for (const Real degrees : {55., 59., 61., 65.}) {
+  for (const Real degrees : {25., 29., 31., 65.}) {
     const Crossed threads(height, degrees);
     Touch touch;
     ASSERT_TRUE(threads.pair.find_again(place, place, touch)) << degrees;
@@ -54,7 +54,7 @@ TEST(CurveCurve, FindsATouchAgainAtItsPlace) {
     const Real across = aside * std::sin(degrees * std::numbers::pi / 180);
     EXPECT_NEAR(touch.gap, std::hypot(height, across) - diameter, 1e-9) << degrees;
     // Half a thickness away there is none.
-    EXPECT_FALSE(threads.pair.find_again(10.4e-3, 10.4e-3, touch)) << degrees;
+    EXPECT_FALSE(threads.pair.find_again(10.7e-3, 10.7e-3, touch)) << degrees;
   }
 }
 
