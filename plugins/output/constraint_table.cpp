@@ -18,8 +18,8 @@ void ConstraintTable::describe(Describe<ConstraintTable>& d) {
       "block, a small number that the "
       "law's header explains. The force acts on the first body of the block, in world axes. "
       "`violation [m]` is how far the "
-      "block would move if its law were asked once more: |W (lambda_plus - lambda)|, the natural "
-      "map of one block.");
+      "block would move if its law were asked once more: |D (lambda_plus - lambda)|, D the "
+      "diagonal of its W, the natural map of one block.");
   d.attribute("file", &ConstraintTable::file_, "Name of the file in the output folder.");
   d.attribute("every", &ConstraintTable::every_, at_least(1), "Write each so many steps.");
 }

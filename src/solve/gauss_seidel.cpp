@@ -16,6 +16,9 @@ constexpr Real negligible = 1e-12;
 // A pass, whose events are held, is not the last word: it need not be solved to less than so many
 // tolerances of what it begins with, nor of the units.
 constexpr Real coarser = 1e3;
+// Pauses between direct steps that do not get ahead, in sweeps: after which of them the slower walk
+// is tried too, and the longest. What is not solved then was never found by going on.
+constexpr Index walk_after = 4, longest_pause = 64;
 
 }  // namespace
 
@@ -175,11 +178,13 @@ void BlockGaussSeidel::step_directly(ConstraintProblem& problem, Real before, Re
   const Index free = subspace_.gather(problem, compliance_);
   if (!direct_step_pays(problem, free, before, residual.value)) return;
   const Real by_sweeps = residual.value;
-  const bool may_walk = pause_.length == 4 || pause_.length == 8;
+  const bool may_walk = pause_.length == walk_after;
   residual =
       subspace_.newton(problem, compliance_, residual, goal_, lambda_plus_, report, may_walk);
   // Modes were not right yet: let sweeps find them, longer each time.
-  pause_.length = residual.value < 0.1 * by_sweeps ? 1 : 2 * pause_.length;
+  const bool ahead = residual.value < 0.1 * std::min(by_sweeps, pause_.best);
+  pause_.best = std::min(pause_.best, residual.value);
+  pause_.length = ahead ? 1 : 2 * pause_.length;
   pause_.left = pause_.length;
 }
 
@@ -209,9 +214,10 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
       residual = look_anew(problem);
       continue;
     }
+    const bool gives_up = !converged && pause_.length > longest_pause;
     // A problem that will not converge to the tolerance must not hold its events for ever.
     const bool events_are_due =
-        converged || (residual.value <= event_gate && 2 * report.sweeps >= sweeps);
+        converged || (residual.value <= event_gate && (gives_up || 2 * report.sweeps >= sweeps));
     if (events_are_due && !problem.hold_events) {
       const Index fired = fire_events(problem);
       report.events += fired;
@@ -220,7 +226,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
         continue;
       }
     }
-    if (converged || report.sweeps >= sweeps) break;
+    if (converged || gives_up || report.sweeps >= sweeps) break;
 
     const Real before = residual.value;
     report.sweeps += sweep_once(problem, report.sweeps == 0, before, sweeps - report.sweeps);

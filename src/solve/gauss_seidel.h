@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -61,9 +62,12 @@ class BlockGaussSeidel {
   void conjugate(ConstraintProblem& problem);
   bool direct_step_pays(const ConstraintProblem& problem, Index free, Real before, Real now) const;
 
-  /// Sweeps between one direct step and the next.
+  /// Sweeps between one direct step and the next: longer each time that one has not brought the
+  /// residual well below the best so far. (Below that of the sweep before it would not do: sweeps
+  /// may undo what direct steps find, again and again.)
   struct Pause {
     Index left = 0, length = 1;
+    Real best = std::numeric_limits<Real>::infinity();
   };
 
   GaussSeidelOptions options_;

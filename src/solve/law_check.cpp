@@ -33,14 +33,9 @@ Residual LawCheck::measure(ConstraintProblem& problem) {
       std::copy_n(&diagonal_[it->first], dim * dim, W);
     else
       for (int k = 0; k < dim; ++k) W[k * (dim + 1)] = b.units.length / b.units.force;
-    const Real* lambda = problem.lambda.data() + b.first_row;
-    Real d[max_block_dim], change[max_block_dim];
-    own_free_violation(dim, W, problem.delta.data() + b.first_row, lambda, d);
-    std::copy_n(lambda, dim, change);
+    Real plus[max_block_dim];
     Mode mode = b.mode;
-    b.law->project({W, d, problem.block_params(b), &mode, change});
-    for (int k = 0; k < dim; ++k) change[k] -= lambda[k];
-    residual.add(b, W, change);
+    residual.ask(problem, b, W, mode, plus);
   }
   return residual;
 }

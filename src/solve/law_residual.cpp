@@ -5,13 +5,22 @@
 
 namespace sutura {
 
-Real Residual::add(ConstraintBlock& block, const Real* W, const Real* change) {
+Real Residual::ask(const ConstraintProblem& problem, ConstraintBlock& block, const Real* W,
+                   Mode& mode, Real* lambda_plus) {
   const int dim = block.law->dim;
+  const Real* lambda = problem.lambda.data() + block.first_row;
+  const Real* delta = problem.delta.data() + block.first_row;
+  Real D[max_block_dim * max_block_dim] = {}, d[max_block_dim];
+  for (int i = 0; i < dim; ++i) {
+    D[i + i * dim] = W[i + i * dim];
+    d[i] = delta[i] - W[i + i * dim] * lambda[i];
+    lambda_plus[i] = lambda[i];
+  }
+  block.law->project({D, d, problem.block_params(block), &mode, lambda_plus});
   Real force = 0, length = 0;
   for (int i = 0; i < dim; ++i) {
-    Real moved = 0;
-    for (int j = 0; j < dim; ++j) moved += W[i + j * dim] * change[j];
-    force += change[i] * change[i];
+    const Real change = lambda_plus[i] - lambda[i], moved = D[i + i * dim] * change;
+    force += change * change;
     length += moved * moved;
   }
   force = std::sqrt(force);
@@ -31,16 +40,8 @@ Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
   lambda_plus.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     ConstraintBlock& b = problem.blocks[i];
-    const int dim = b.law->dim;
-    const Real* W = compliance[i];
-    const Real* lambda = problem.lambda.data() + b.first_row;
-    Real* plus = lambda_plus.data() + b.first_row;
-    Real d[max_block_dim], change[max_block_dim];
-    own_free_violation(dim, W, problem.delta.data() + b.first_row, lambda, d);
-    std::copy_n(lambda, dim, plus);
-    b.law->project({W, d, problem.block_params(b), &b.mode, plus});
-    for (int k = 0; k < dim; ++k) change[k] = plus[k] - lambda[k];
-    const Real here = residual.add(b, W, change);
+    const Real here =
+        residual.ask(problem, b, compliance[i], b.mode, lambda_plus.data() + b.first_row);
     if (per_block != nullptr) (*per_block)[i] = here;
   }
   return residual;

@@ -1,6 +1,11 @@
 // How far a problem is from its laws: the natural map. For every block, lambda_plus is what its law
 // answers to the present delta; a solution has lambda_plus = lambda. Measured in the units of each
 // block, as a force and as a length.
+//
+// A law may be asked with any positive definite compliance. It is asked with the diagonal of the
+// block's own, which leaves it one answer. Where friction lifts a touch by more than its normal
+// force presses it (mu |W_nt| > W_nn), the whole of W leaves it two, stick and slip: asked with it
+// at a solution that slips, the law may say stick, and what is solved would never count as solved.
 #pragma once
 
 #include <vector>
@@ -12,9 +17,11 @@ namespace sutura {
 
 struct Residual {
   Real value = 0;      ///< largest over the blocks, in their units
-  Real violation = 0;  ///< largest |W_cc (lambda_plus - lambda)|, m
-  /// Counts the change of one block and notes its violation; returns its own residual.
-  Real add(ConstraintBlock& block, const Real* W, const Real* change);
+  Real violation = 0;  ///< largest D |lambda_plus - lambda|, D the diagonal of W_cc, m
+  /// Asks the law of one block at the present lambda and delta; counts what it would change and
+  /// notes the violation. W: the block's own, dim x dim. Returns the block's own residual.
+  Real ask(const ConstraintProblem& problem, ConstraintBlock& block, const Real* W, Mode& mode,
+           Real* lambda_plus);
 };
 
 /// Asks every law with the present lambda and delta; lambda is left alone. `per_block`, if given,

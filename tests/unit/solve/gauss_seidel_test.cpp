@@ -6,6 +6,7 @@
 
 #include "../plugins/suturing/puncture_law.h"
 #include "solve_problems.h"
+#include "sutura/laws/coulomb.h"
 #include "sutura/laws/unilateral.h"
 
 using namespace sutura;
@@ -230,6 +231,59 @@ TEST(GaussSeidel, ANonFiniteProblemIsReportedNotSpread) {
   ConstraintProblem q = stitch({.samples = 5});
   q.lambda[3] = std::numeric_limits<Real>::infinity();
   EXPECT_TRUE(solve(q).converged);
+}
+
+// A strand laid over a thicker one, held in two directions: friction lifts the touch by more than
+// its own force presses it (mu |W_nt| > W_nn), so that W of the touch alone lets it stick where it
+// slips. The law residual said so at the solution, and 1000 sweeps and 103 direct steps were in
+// vain.
+TEST(GaussSeidel, ATouchMayBeLiftedByItsFriction) {
+  MatX W(5, 5);
+  W << 0.260995, 0.533835, -0.00079971, -0.476089, 0.000862407,   //
+      0.533835, 1.43742, 0.000337705, -1.44532, -0.000184862,     //
+      -0.00079971, 0.000337705, 1.50316, -0.000354622, -1.50341,  //
+      -0.476089, -1.44532, -0.000354622, 1.55448, 0.000194392,    //
+      0.000862407, -0.000184862, -1.50341, 0.000194392, 1.51261;
+  VecX d(5);
+  d << -1.12147e-3, -2.04247e-4, -4.38742e-6, -1.98281e-4, 6.36718e-7;
+  ConstraintProblem p;
+  append<Coulomb>(p, {.mu = 0.5});
+  append<Bilateral<1>>(p, {});
+  append<Bilateral<1>>(p, {});
+  finish(p, W, d);
+  const SolveReport report = solve(p);
+  EXPECT_TRUE(report.converged);
+  EXPECT_LE(report.direct_solves, 10);
+  const VecX delta = W * p.lambda + d;
+  const Vec2 slip = delta.segment<2>(1), friction = p.lambda.segment<2>(1);
+  EXPECT_GT(p.lambda[0], 0.01);
+  EXPECT_NEAR(delta[0], 0, 1e-12);
+  EXPECT_NEAR(friction.norm(), 0.5 * p.lambda[0], 1e-12);
+  EXPECT_NEAR(slip.dot(friction), -slip.norm() * friction.norm(), 1e-12);
+  EXPECT_GT(slip.norm(), 1e-5);
+  EXPECT_NEAR(delta[3], 0, 1e-12);
+  EXPECT_NEAR(delta[4], 0, 1e-12);
+}
+
+// Much friction and few modes: a third of these are not solved, whatever it costs.
+TEST(GaussSeidel, ItIsBoundedWhatASolveMayCost) {
+  constexpr int touches = 20, rows = 3 * touches;
+  std::mt19937_64 random(3);
+  std::normal_distribution<Real> normal;
+  for (int n = 0; n < 60; ++n) {
+    MatX modes(rows, 15 + 3 * (n % 10));
+    for (Index i = 0; i < modes.size(); ++i) modes.data()[i] = normal(random);
+    VecX d(rows);
+    for (Index i = 0; i < rows; ++i) d[i] = 1e-3 * normal(random);
+    ConstraintProblem p;
+    for (int i = 0; i < touches; ++i) append<Coulomb>(p, {.mu = 1.0 + n % 3});
+    finish(p, modes * modes.transpose() + 1e-6 * MatX::Identity(rows, rows), d);
+    const SolveReport report = solve(p);
+    EXPECT_LE(report.direct_solves, 1000) << n;
+    EXPECT_LE(report.factorisations, 1000) << n;
+    // Where it gives up it says so.
+    EXPECT_EQ(report.converged, report.residual <= 1e-9) << n;
+  }
 }
 
 }  // namespace
