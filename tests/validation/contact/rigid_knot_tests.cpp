@@ -151,7 +151,7 @@ TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
   const auto ends = [](KnotRun& run) {
     return run.vector("/suture", "end_position").x() - run.vector("/suture", "tip_position").x();
   };
-  Real slipped = 0, slipped_free = 0, pull = 0, free_pull = 0;
+  Real rested = 0, rested_free = 0, slipped = 0, slipped_free = 0, pull = 0, free_pull = 0;
   for (const char* damping : {"20 1/s", "20.001 1/s", "20.002 1/s"}) {
     const Overrides granny = {{"/suture.thread_start_file", "granny_start.csv"},
                               {"/left_way.times", "0 0.5 1.6 2.8 s"},
@@ -169,9 +169,9 @@ TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
     EXPECT_EQ(rigid.knots("determinant"), 9);
     EXPECT_NE(rigid.knots("left_throws"), 1);  // both of one hand
     EXPECT_LT(rigid.simulation().report().rows, free.simulation().report().rows / 3);
-    // Rigid while its ends were still drawn, it has slipped otherwise since, and what a granny comes
-    // to rest with depends on that. (Three that are free, at 2.5 and 5 ms: 53.2 to 54.9 mN.)
-    EXPECT_NEAR(rigid.pull(), free.pull(), 0.1 * free.pull());
+    // Rigid while its ends were still drawn, it has slipped otherwise since, and what a granny
+    // comes to rest with depends on that: single ones 53 to 62 mN. So means are compared.
+    rested += rigid.pull() / 3, rested_free += free.pull() / 3;
     const Real before = ends(rigid), before_free = ends(free), releases = rigid.knots("releases");
     rigid.run(1.8), free.run(1.8);
     EXPECT_EQ(rigid.knots("rigid"), 0);
@@ -179,10 +179,12 @@ TEST(RigidKnot, AGrannySlipsAsOneThatIsFree) {
     pull += rigid.pull() / 3, free_pull += free.pull() / 3;
     slipped += (before - ends(rigid)) / 3, slipped_free += (before_free - ends(free)) / 3;
   }
+  EXPECT_NEAR(rested, rested_free, 0.1 * rested_free);
   EXPECT_NEAR(pull, free_pull, 0.1 * free_pull);
   EXPECT_GT(slipped_free, 0.5e-3);
-  // Six draws slip by 0.77 to 0.93 mm, a mean of 0.84 (free: 0.79 to 0.84, and 0.82).
-  EXPECT_NEAR(slipped, slipped_free, 0.1 * slipped_free);
+  // One that rests with a tenth more begins to slip later by as much: six draws of an earlier code
+  // slipped by 0.77 to 0.93 mm (free: 0.79 to 0.84).
+  EXPECT_NEAR(slipped, slipped_free, 0.15 * slipped_free);
 }
 
 // A right-handed and a left-handed overhand knot on one thread: each is judged by itself, also the
@@ -216,7 +218,8 @@ TEST(Knots, OfOneThreadAreToldApart) {
               settings);
   ASSERT_TRUE(run) << run.said();
   const auto knots = [&](const char* output) { return run.number("/knots", output); };
-  while (run.simulation().time() < 0.75) {
+  // The load stops growing at 0.5 s, and they slip on until they are at rest.
+  while (run.simulation().time() < 0.9) {
     run.simulation().step();
     EXPECT_EQ(knots("throws"), knots("found")) << run.simulation().time();
   }
