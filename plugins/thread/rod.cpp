@@ -208,6 +208,7 @@ void Rod::archive(Archive& a) {
   a.list("springs", springs_, [](Archive& each, NodeSpring& s) {
     each("node", s.node);
     each("active", s.active);
+    each("last_target", s.last_target);
     each("target", s.target);
     each("translation", s.stiffness.translation);
     each("rotation", s.stiffness.rotation);

@@ -30,6 +30,7 @@ struct NodeSpring {
   Index node = 0;
   bool active = false;
   Pose target;
+  Vec3 last_target = Vec3::Zero();  ///< where that was at the end of the last step
   HoldStiffness stiffness;
   Real roll = 0;   ///< at the end of the last step (rad)
   Wrench applied;  ///< on the rod, at the end of the last step

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common_motion.h"
 #include "element_mass.h"
 #include "rod_potential.h"
 
@@ -44,7 +45,7 @@ void RodStep::fit(const Rod& rod) {
   guess_.resize(n);
   way_.resize(n);
   matrix_.resize(rod.stretches().blocks());
-  for (auto* v : {&change_, &answer_, &last_force_}) v->clear(6 * n);
+  for (auto* v : {&change_, &answer_, &stays_, &last_force_, &common_}) v->clear(6 * n);
   viscous_tension_.assign(static_cast<std::size_t>(n - 1), 0);
   in_step_ = false;
 }
@@ -57,7 +58,7 @@ void RodStep::reserve(Index beams) {
   guess_.reserve(n);
   way_.reserve(n);
   matrix_.reserve(n);
-  for (auto* v : {&change_, &answer_, &last_force_}) v->reserve(6 * n);
+  for (auto* v : {&change_, &answer_, &stays_, &last_force_, &common_}) v->reserve(6 * n);
   viscous_tension_.reserve(static_cast<std::size_t>(n));
 }
 
@@ -102,7 +103,10 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   start_.damping = damping;
   if (!in_step_) {
     constexpr Real clearly = 1.1;
+    find_common_motion(rod, last_force_, dt, common_);
+    rod.velocity() -= common_;
     const Real energy = rod.kinetic_energy();
+    rod.velocity() += common_;
     speeds_up_ = energy > clearly * kinetic_energy_;
     kinetic_energy_ = energy;
     rod.mark_start();
@@ -133,11 +137,18 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   if (pushed && !speeds_up_ && goes_uphill(lacks, rod)) stay(rod);
 }
 
-/// The guess that nothing moves.
+/// The guess that nothing moves but the rod as a whole.
 void RodStep::stay(Rod& rod) {
   guess_.motion.setZero();
   guess_.move(rod, start_);
   guess_.take_tension();
+  if (!common_.isZero(0)) {
+    answer_ = length_ * common_;
+    rod.stretches().spread(rod.poses(), answer_);
+    way_.aim(rod, guess_, answer_);
+    way_.go(rod, start_, guess_, 1);
+  }
+  stays_ = guess_.motion;
 }
 
 /// Whether the guess that goes on has a higher potential than the one that stays, under the forces
@@ -149,7 +160,8 @@ bool RodStep::goes_uphill(Real lacks, const Rod& rod) {
   constexpr Real clearly = 2;
   // The mean of the forces at both ends of the way; a difference of energies drowns in rounding.
   change_ = (change_ + guess_.missing) / 2 + start_.dt * last_force_;
-  return change_.dot(guess_.motion) < 0 && imbalance(rod, last_force_).relative > clearly * lacks;
+  return change_.dot(guess_.motion - stays_) < 0 &&
+         imbalance(rod, last_force_).relative > clearly * lacks;
 }
 
 bool RodStep::linearise(const Rod& rod, const Dofs& force) {
@@ -314,6 +326,7 @@ void RodStep::end(Rod& rod, const Dofs& force) {
     last_force_.setZero();
   for (NodeSpring& spring : rod.springs()) {
     if (!spring.active) continue;
+    spring.last_target = spring.target.position;
     spring.roll = guess_.roll(rod, spring);
     spring.applied = spring.wrench(rod.poses()[spring.node], spring.roll);
   }

@@ -35,7 +35,7 @@ class RodStep {
   void set_limit_tension(Index beam, Real tension) { guess_.limit_tension[beam] = tension; }
   /// Begins a step where the last one ended, or the same step anew with another length or order.
   /// Of `order` 2 it looks back two steps, if the last one was begun so and is not too short.
-  /// The first guess goes on as before, or stays where that is better.
+  /// The first guess goes on as before or, where that is better, with the rod as a whole alone.
   void begin(Rod& rod, Real dt, const Vec3& gravity, Index order = 1);
   /// Assembles and factors A at the guess and finds the change under `force` of constraints. False
   /// if A is not positive definite.
@@ -100,14 +100,15 @@ class RodStep {
   RodGuess guess_;
   RodWay way_;
   BlockTridiagonal matrix_;
-  DofVector change_, answer_;
+  DofVector change_, answer_, stays_;
   DofVector last_force_;  ///< of constraints, in the last step (N, N m)
+  DofVector common_;      ///< velocity of the rod as a whole, as the step begins
   DeadMoments moments_;
   std::vector<Real> viscous_tension_;  ///< per beam
   bool in_step_ = false;
   bool part_way_ = false;
   bool speeds_up_ = false;   ///< as the step begins
-  Real kinetic_energy_ = 0;  ///< as the step began (J)
+  Real kinetic_energy_ = 0;  ///< as the step began, beside that of the whole (J)
   bool stuck_ = false;
 };
 

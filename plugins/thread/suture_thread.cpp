@@ -305,6 +305,7 @@ Index SutureThread::add_hold(Real s) {
 
 void SutureThread::set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) {
   NodeSpring& spring = rod_.springs()[hold];
+  if (!spring.active) spring.last_target = target.position;
   spring.active = true;
   spring.target = target;
   spring.stiffness = stiffness;
