@@ -1,5 +1,8 @@
 #include "tissue.h"
 
+#include <algorithm>
+#include <set>
+
 #include "attach.h"
 #include "corotational_t4.h"
 #include "direct_solver.h"
@@ -89,12 +92,28 @@ void Tissue::doubt(Setup& setup) const {
   const bool doubted = !mesh->file.path.empty() && mesh->unit == TetMesh::Unit::unstated;
   if (length > longest && !doubted)
     setup.warning(*this, "the mesh is " + format_real(length) + " m long; is its unit right?");
-  if (setup.scene == nullptr || setup.gravity.isZero()) return;
-  for (const Component* other : setup.scene->components()) {
-    const auto* attach = dynamic_cast<const Attach*>(other);
-    if (attach != nullptr && attach->tissue.get() == this) return;
-  }
+  if (setup.scene == nullptr || setup.gravity.isZero() || may_be_held(*setup.scene)) return;
   setup.warning(*this, "nothing holds this tissue, it will fall; an <Attach> fixes a part of it");
+}
+
+/// It is attached, or may lie on a tool or on a tissue that is held itself.
+bool Tissue::may_be_held(const Scene& scene) const {
+  std::set<const Component*> held;
+  std::vector<std::vector<Component*>> contacts;
+  for (const Component* c : scene.components()) {
+    if (const auto* attach = dynamic_cast<const Attach*>(c)) held.insert(attach->tissue.get());
+    if (c->info().name == "Tool") held.insert(c);
+    if (c->info().name == "Contact") contacts.push_back(scene.links_of(*c));
+  }
+  const auto is_held = [&](const Component* c) { return held.contains(c); };
+  for (std::size_t before = 0; before != held.size();) {
+    before = held.size();
+    for (const std::vector<Component*>& touching : contacts)
+      if (std::any_of(touching.begin(), touching.end(), is_held))
+        for (const Component* c : touching)
+          if (dynamic_cast<const CurveBody*>(c) == nullptr) held.insert(c);
+  }
+  return is_held(this);
 }
 
 void Tissue::initialise(Setup& setup) {

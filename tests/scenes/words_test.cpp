@@ -220,6 +220,40 @@ TEST(Words, ATissueThatNothingHoldsCannotSettle) {
   EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
 }
 
+// What lies on a tool or on a tissue that is attached does not fall.
+TEST(Words, ATissueThatMayLieOnSomethingIsNotSaidToFall) {
+  const auto says_so = [](const std::string& others) {
+    const TextRun run(
+        "<plugin name=\"contact\"/><node name=\"a\"><BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"4 "
+        "2 2\"/>"
+        "<Tissue poisson=\"0.3\"/></node>" +
+            others,
+        "gravity=\"0 0 -9.81\"");
+    EXPECT_TRUE(run) << run.said();
+    return run.said().find("[/a/tissue] nothing holds this tissue") != std::string::npos;
+  };
+  const std::string table = "<Tool centre=\"0 0 -1 mm\"/>";
+  const std::string below =
+      "<node name=\"b\"><BlockMesh box=\"0 0 -20 20 10 -1 mm\" cells=\"4 2 2\"/>"
+      "<Tissue poisson=\"0.3\"/>";
+  const std::string bed = "<Attach box=\"0 0 -20 20 10 -20 mm\"/></node>";
+  const std::string touch = "<Contact first=\"/a/tissue\" second=\"/b/tissue\"/>";
+  EXPECT_FALSE(says_so(table + "<Contact first=\"/a/tissue\" tool=\"/tool\"/>"));
+  EXPECT_FALSE(says_so(below + bed + touch));
+  const std::string stand = "<Contact name=\"other\" first=\"/b/tissue\" tool=\"/tool\"/>";
+  const std::string deep = "<Tool centre=\"0 0 -21 mm\"/>";
+  EXPECT_FALSE(says_so(deep + below + "</node>" + touch + stand));
+  // Beside them, on one that falls too, or in touch with itself or with a thread, it falls.
+  EXPECT_TRUE(says_so(table));
+  EXPECT_TRUE(says_so(below + bed));
+  EXPECT_TRUE(says_so(below + "</node>" + touch));
+  EXPECT_TRUE(says_so("<Contact first=\"/a/tissue\"/>"));
+  EXPECT_TRUE(says_so(table + "<SutureThread name=\"s\" entry=\"0 0 30 mm\"/>"
+                              "<Contact first=\"/s\" tool=\"/tool\"/>"
+                              "<Contact name=\"other\" first=\"/s\" "
+                              "second=\"/a/tissue\"/>"));
+}
+
 TEST(Words, SizesThatAreMoreLikelyASlipOfTheUnitAreDoubted) {
   for (const char* slip : {"thread_length=\"50\"", "needle_length=\"17\"",
                            "needle_diameter=\"0.65\"", "thread_diameter=\"0.175\""}) {
