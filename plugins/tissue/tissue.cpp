@@ -1,6 +1,7 @@
 #include "tissue.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "attach.h"
@@ -16,6 +17,7 @@
 namespace sutura::tissue {
 namespace {
 
+constexpr Real longest_tissue = 5;          // m; what is longer is doubted by itself
 constexpr std::size_t most_tets = 1000000;  // some 4 GB with matrix and factor
 
 /// Which nodes an element couples.
@@ -87,13 +89,31 @@ void Tissue::doubt(Setup& setup) const {
   doubt_material(*this, setup, {young, poisson, density});
   if (element == TissueElement::unstated && poisson > locking_poisson)
     setup.warning(*this, "poisson is " + format_real(poisson) + ", where " + too_stiff);
-  constexpr Real longest = 5;  // m
   const Real length = (mesh->report().high - mesh->report().low).maxCoeff();
   const bool doubted = !mesh->file.path.empty() && mesh->unit == TetMesh::Unit::unstated;
-  if (length > longest && !doubted)
+  if (length > longest_tissue && !doubted)
     setup.warning(*this, "the mesh is " + format_real(length) + " m long; is its unit right?");
   if (setup.scene == nullptr || setup.gravity.isZero() || may_be_held(*setup.scene)) return;
   setup.warning(*this, "nothing holds this tissue, it will fall; an <Attach> fixes a part of it");
+}
+
+/// Millimetres taken for centimetres pass for a plausible tissue by themselves, but not beside what
+/// sews it.
+void Tissue::doubt_size(Setup& setup) const {
+  constexpr Real most_needles = 15, least_needles = 0.15;
+  const Real length = (mesh->report().high - mesh->report().low).maxCoeff();
+  if (setup.scene == nullptr || length > longest_tissue) return;
+  for (const Component* c : setup.scene->components()) {
+    const auto* curve = dynamic_cast<const CurveBody*>(c);
+    if (curve == nullptr || !(curve->needle_length() > 0)) continue;
+    const Real needles = length / curve->needle_length();
+    if (needles < most_needles && needles > least_needles) continue;
+    const auto mm = [](Real metres) { return format_real(std::round(1e5 * metres) / 100) + " mm"; };
+    setup.warning(*this, "the mesh is " + mm(length) + " long and the needle of " + c->path() +
+                             " " + mm(curve->needle_length()) +
+                             "; is the unit of one of them wrong?");
+    return;
+  }
 }
 
 /// It is attached, or may lie on a tool or on a tissue that is held itself.
@@ -159,6 +179,7 @@ void Tissue::initialise(Setup& setup) {
 
 /// Every Layer and Attach has spoken.
 void Tissue::ready(Setup& setup) {
+  doubt_size(setup);
   step_->prepare(setup.dt);
   for (const SolidQueries& q : queries_) q.fit();
 }

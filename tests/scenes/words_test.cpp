@@ -220,6 +220,22 @@ TEST(Words, ATissueThatNothingHoldsCannotSettle) {
   EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
 }
 
+// A mesh in the wrong unit passes by itself, and not beside a needle.
+TEST(Words, ATissueFarFromTheSizeOfItsNeedleIsDoubted) {
+  const auto doubts = [](const std::string& size, const std::string& needle = "26 mm") {
+    const TextRun run("<BlockMesh box=\"0 0 0 " + size +
+                      "\" cells=\"4 2 2\"/><Tissue poisson=\"0.3\"/>"
+                      "<Attach nodes=\"0 1 2 3\"/><SutureThread name=\"s\" needle_length=\"" +
+                      needle + "\"/>");
+    EXPECT_TRUE(run) << run.said();
+    return run.said().find("is the unit of one of them wrong?") != std::string::npos;
+  };
+  EXPECT_FALSE(doubts("50 30 10 mm"));
+  EXPECT_TRUE(doubts("50 30 10 cm"));
+  EXPECT_TRUE(doubts("3 2 1 mm"));
+  EXPECT_FALSE(doubts("50 30 10 cm", "0"));  // there is no needle
+}
+
 // What lies on a tool or on a tissue that is attached does not fall.
 TEST(Words, ATissueThatMayLieOnSomethingIsNotSaidToFall) {
   const auto says_so = [](const std::string& others) {
