@@ -48,12 +48,15 @@ void ToolSpace::describe_space(Describe<T>& d, const std::string& tool, const st
       "centre", static_cast<Vector>(&ToolSpace::centre_), "m", sutura::between(-1e6, 1e6),
       "Middle of the space between the " + between + ", as modelled: before the track moves it.");
   d.attribute("axis", static_cast<Vector>(&ToolSpace::axis_), "1", any(),
-              "Direction in which the " + sides + " close.");
+              "Direction in which the " + sides +
+                  " close, z of the space. Its x and y are where the shortest turn from z to "
+                  "'axis' takes them: for 0 0 1 along x and y, for 1 0 0 along -z and y, for "
+                  "0 1 0 along x and -z.");
   d.attribute("rotation", static_cast<Vector>(&ToolSpace::rotation_), "rad",
               sutura::between(-1e4, 1e4),
               "Rotation vector about the centre, after the axis has been laid as said.");
   d.attribute("size", static_cast<Vector>(&ToolSpace::size_), "m", sutura::between(1e-6, 1e3),
-              "Edges of the space between the " + between + ": the third one along 'axis'.");
+              "Edges of the space between the " + between + ": along its x, its y and 'axis'.");
 }
 
 }  // namespace sutura::tools

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scenes/text_run.h"
+#include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/curve_segments.h"
 #include "sutura/tool.h"
 
@@ -204,6 +205,25 @@ TEST(Forceps, DoAsAHostSays) {
   jaws.release();
   run.simulation().step();
   EXPECT_EQ(run.number("/forceps", "pieces"), 0);
+}
+
+// As 'axis' of Forceps, Scissors and Tool says: the shortest turn from z takes x and y along.
+TEST(Forceps, TheEdgesOfTheirSpaceLieAsTheAxisSays) {
+  const auto lies = [](const std::string& axis, const Vec3& extent) {
+    TextRun run("<plugin name='contact'/>" + thread + "<Forceps size='1 2 3 mm' axis='" + axis +
+                "'/><Tool shape='box' size='1 2 3 mm' axis='" + axis + "'/>");
+    ASSERT_TRUE(run) << run.said();
+    for (const char* path : {"/forceps", "/tool"}) {
+      const auto* drawing = dynamic_cast<const Drawing*>(run.simulation().find(path));
+      ASSERT_NE(drawing, nullptr);
+      Box box;
+      for (const Vec3& p : drawing->geometry().points) box.add(p);
+      EXPECT_LT((box.high - box.low - 1e-3 * extent).norm(), 1e-12) << path << " " << axis;
+    }
+  };
+  lies("0 0 1", {1, 2, 3});
+  lies("1 0 0", {3, 2, 1});
+  lies("0 1 0", {1, 3, 2});
 }
 
 TEST(Forceps, SayWhatIsWrong) {
