@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "jaw_space.h"
+#include "sutura/archive.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
 #include "sutura/tool.h"
@@ -26,6 +27,13 @@ class ToolSpace {
   std::vector<JawSpace::Stretch>& look(const SegmentedCurve& curve, Configuration c,
                                        const Pose& frame);
 
+  /// They have closed, where they are at the start of a step.
+  void count_closing(bool on_something, Real time);
+  /// Of those that have closed and never on anything, a sentence; else empty. `nothing`: "no thread
+  /// was".
+  std::string closed_in_vain(const std::string& nothing) const;
+  void archive_closings(Archive& archive);
+
   JawSpace space_;
 
  private:
@@ -33,6 +41,10 @@ class ToolSpace {
   Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
   Vec3 size_{2e-3, 2e-3, 2e-3};
   Pose as_modelled_;
+  Index in_vain_ = 0;                  ///< how often they have closed on nothing
+  bool on_something_ = false;          ///< ever
+  Real first_in_vain_ = 0;             ///< s
+  Vec3 place_in_vain_ = Vec3::Zero();  ///< their centre then (m)
   std::vector<CurveSegment> seen_;
   std::vector<JawSpace::Stretch> stretches_;
 };
