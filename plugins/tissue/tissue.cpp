@@ -7,6 +7,7 @@
 #include "attach.h"
 #include "corotational_t4.h"
 #include "direct_solver.h"
+#include "free_motion.h"
 #include "material_limits.h"
 #include "smoothed_t4.h"
 #include "sutura/archive.h"
@@ -248,7 +249,9 @@ std::string Tissue::settle(const Vec3& gravity) {
     return "nothing holds this tissue, so it has no balance; it needs an Attach";
   VecX x = positions();
   if (load().size() != dofs()) load().setZero(dofs());
-  const std::string trouble = tissue::settle(model_, load(), gravity, x);
+  std::string trouble = tissue::settle(model_, load(), gravity, x);
+  if (!trouble.empty())
+    if (const std::string free = free_motion(model_); !free.empty()) trouble += "; " + free;
   set_state(x, VecX::Zero(dofs()));
   step_->renew();
   return trouble;

@@ -220,6 +220,25 @@ TEST(Words, ATissueThatNothingHoldsCannotSettle) {
   EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
 }
 
+// It is attached, but not enough of it, or not in every direction.
+TEST(Words, ATissueThatCannotSettleIsSaidToBeFree) {
+  const auto said = [](const std::string& holes, const std::string& attach) {
+    const TextRun run("<BlockMesh box=\"0 0 0 60 10 10 mm\" cells=\"6 2 2\" " + holes +
+                          "/><Tissue settle=\"true\" poisson=\"0.3\"/><Attach " + attach + "/>",
+                      "gravity=\"0 0 -9.81\"");
+    EXPECT_FALSE(run);
+    return run.said();
+  };
+  const std::string falls = said("", "box=\"0 0 0 60 10 0 mm\" directions=\"x\"");
+  EXPECT_NE(falls.find("[/tissue] settle: no balance was found"), std::string::npos) << falls;
+  EXPECT_NE(falls.find("it is free to move along y"), std::string::npos) << falls;
+  const std::string part = said("holes=\"20 -1 -1 40 11 11 mm\"", "box=\"0 0 0 10 10 0 mm\"");
+  EXPECT_NE(part.find("one of its 2 parts, with a node at 40 0 0 mm, is free to move in every "
+                      "direction"),
+            std::string::npos)
+      << part;
+}
+
 // A mesh in the wrong unit passes by itself, and not beside a needle.
 TEST(Words, ATissueFarFromTheSizeOfItsNeedleIsDoubted) {
   const auto doubts = [](const std::string& size, const std::string& needle = "26 mm") {
