@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sutura/diagnostics.h"
 #include "sutura/scene.h"
@@ -47,6 +48,7 @@ struct RunResult {
   Index last = 0;       ///< step reached
   Index steps = 0;      ///< step at which it is done
   double seconds = 0;   ///< wall time of the steps
+  std::vector<std::string> notes = {};  ///< of a run that is done (EndNote): "path: sentence"
 };
 
 /// Looks on, after every step; may set inputs. The run ends if it returns false.

@@ -26,4 +26,7 @@ std::optional<std::vector<Real>> parse_quantities(std::string_view text, std::st
 /// The shortest text that reads back as the same number.
 std::string format_real(Real value);
 
+/// As people write limits and numbers of things: 100000, not 1e+05.
+std::string plain_number(Real value);
+
 }  // namespace sutura

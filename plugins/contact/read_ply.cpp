@@ -1,5 +1,6 @@
 // PLY: a header that says what follows, then elements as text or as bytes.
 #include "read_triangles.h"
+#include "sutura/units.h"
 
 namespace sutura::contact {
 namespace {
@@ -104,7 +105,7 @@ Real value(FileCursor& in, Type type, Form form) {
 /// A whole number from 0 to below `limit`.
 std::size_t whole(const FileCursor& in, Real x, std::size_t limit, const char* what) {
   if (!(x >= 0 && x < static_cast<Real>(limit)) || x != std::floor(x))
-    in.fail(std::string(what) + " is " + std::to_string(x) + ", expected a whole number below " +
+    in.fail(std::string(what) + " is " + plain_number(x) + ", expected a whole number below " +
             std::to_string(limit));
   return static_cast<std::size_t>(x);
 }

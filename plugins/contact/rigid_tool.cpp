@@ -30,16 +30,20 @@ void RigidTool::describe(Describe<RigidTool>& d) {
   d.attribute("unit", &RigidTool::unit_, {"m", "cm", "mm"}, "The unit of length of that file.");
   d.attribute("centre", &RigidTool::centre_, "m", between(-1e6, 1e6),
               "Centre of the shape; of a plane, a point on it; of a mesh, where its origin is.");
-  d.attribute("axis", &RigidTool::axis_, "1", any(),
-              "Direction of the axis of a capsule or cylinder, of the third edge of a box; of a "
-              "plane, its normal, towards the free side; of a mesh, of its z axis.");
+  d.attribute(
+      "axis", &RigidTool::axis_, "1", any(),
+      "Direction of the axis of a capsule or cylinder, of the third edge of a box; of a "
+      "plane, its normal, towards the free side; of a mesh, of its z axis. The x and y of a "
+      "box or mesh are where the shortest turn from z to 'axis' takes them: for 0 0 1 "
+      "along x and y, for 1 0 0 along -z and y, for 0 1 0 along x and -z.");
   d.attribute("rotation", &RigidTool::rotation_, "rad", between(-1e4, 1e4),
               "Rotation vector about the centre, after the axis has been laid as said.");
   d.attribute("radius", &RigidTool::radius_, "m", between(1e-6, 1e3),
               "Of a sphere, capsule or cylinder.");
   d.attribute("length", &RigidTool::length_, "m", between(0, 1e3),
               "Of a cylinder, and of the straight part of a capsule.");
-  d.attribute("size", &RigidTool::size_, "m", between(1e-6, 1e3), "Three edges of a box.");
+  d.attribute("size", &RigidTool::size_, "m", between(1e-6, 1e3),
+              "Three edges of a box: along its x, its y and 'axis'.");
   d.attribute("rounding", &RigidTool::rounding_, "m", between(0, 1e3),
               "Radius to which the edges and corners of a box are rounded.");
   d.output("force", "N", "Of all contacts on the tool, at the end of the last step.",

@@ -46,10 +46,12 @@ void CsvProbe::describe(Describe<CsvProbe>& d) {
   d.theory(
       "A column is the path of a component, a dot and the name of one of its outputs (each "
       "component page lists them): `/suture.tip_position /holder.force`. Vectors take three "
-      "columns. Numbers are the shortest text that reads back as the same number. Each row is "
+      "columns, x, y and z. Numbers are the shortest text that reads back as the same number. Each "
+      "row is "
       "flushed, so a run that is cut off keeps all of its rows.");
   d.attribute("columns", &CsvProbe::columns_text_,
-              "Outputs, blank separated: '/holder.force /path.friction'.")
+              "Outputs, blank separated: '/holder.force /path.friction'. The header names them "
+              "without the first slash: 'holder.force.x [N]'.")
       .required();
   d.attribute("file", &CsvProbe::file_, "Name of the file in the output folder.");
   d.attribute("report", &CsvProbe::report_,

@@ -7,6 +7,7 @@
 
 #include "selection.h"
 #include "sutura/text.h"
+#include "sutura/units.h"
 #include "tet_mesh.h"
 
 namespace sutura::tissue {
@@ -86,7 +87,7 @@ void Attach::initialise(Setup& setup) {
   }
   for (const Real number : nodes) {
     if (number != std::floor(number) || number >= static_cast<Real>(count))
-      return setup.error(*this, "'nodes' names node " + std::to_string(number) +
+      return setup.error(*this, "'nodes' names node " + plain_number(number) +
                                     ", expected whole numbers from 0 to " +
                                     std::to_string(count - 1));
     selected_.push_back(static_cast<Index>(number));

@@ -1,8 +1,13 @@
 #include "tissue.h"
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+
 #include "attach.h"
 #include "corotational_t4.h"
 #include "direct_solver.h"
+#include "free_motion.h"
 #include "material_limits.h"
 #include "smoothed_t4.h"
 #include "sutura/archive.h"
@@ -13,6 +18,7 @@
 namespace sutura::tissue {
 namespace {
 
+constexpr Real longest_tissue = 5;          // m; what is longer is doubted by itself
 constexpr std::size_t most_tets = 1000000;  // some 4 GB with matrix and factor
 
 /// Which nodes an element couples.
@@ -84,17 +90,51 @@ void Tissue::doubt(Setup& setup) const {
   doubt_material(*this, setup, {young, poisson, density});
   if (element == TissueElement::unstated && poisson > locking_poisson)
     setup.warning(*this, "poisson is " + format_real(poisson) + ", where " + too_stiff);
-  constexpr Real longest = 5;  // m
   const Real length = (mesh->report().high - mesh->report().low).maxCoeff();
   const bool doubted = !mesh->file.path.empty() && mesh->unit == TetMesh::Unit::unstated;
-  if (length > longest && !doubted)
+  if (length > longest_tissue && !doubted)
     setup.warning(*this, "the mesh is " + format_real(length) + " m long; is its unit right?");
-  if (setup.scene == nullptr || setup.gravity.isZero()) return;
-  for (const Component* other : setup.scene->components()) {
-    const auto* attach = dynamic_cast<const Attach*>(other);
-    if (attach != nullptr && attach->tissue.get() == this) return;
-  }
+  if (setup.scene == nullptr || setup.gravity.isZero() || may_be_held(*setup.scene)) return;
   setup.warning(*this, "nothing holds this tissue, it will fall; an <Attach> fixes a part of it");
+}
+
+/// Millimetres taken for centimetres pass for a plausible tissue by themselves, but not beside what
+/// sews it.
+void Tissue::doubt_size(Setup& setup) const {
+  constexpr Real most_needles = 15, least_needles = 0.15;
+  const Real length = (mesh->report().high - mesh->report().low).maxCoeff();
+  if (setup.scene == nullptr || length > longest_tissue) return;
+  for (const Component* c : setup.scene->components()) {
+    const auto* curve = dynamic_cast<const CurveBody*>(c);
+    if (curve == nullptr || !(curve->needle_length() > 0)) continue;
+    const Real needles = length / curve->needle_length();
+    if (needles < most_needles && needles > least_needles) continue;
+    const auto mm = [](Real metres) { return format_real(std::round(1e5 * metres) / 100) + " mm"; };
+    setup.warning(*this, "the mesh is " + mm(length) + " long and the needle of " + c->path() +
+                             " " + mm(curve->needle_length()) +
+                             "; is the unit of one of them wrong?");
+    return;
+  }
+}
+
+/// It is attached, or may lie on a tool or on a tissue that is held itself.
+bool Tissue::may_be_held(const Scene& scene) const {
+  std::set<const Component*> held;
+  std::vector<std::vector<Component*>> contacts;
+  for (const Component* c : scene.components()) {
+    if (const auto* attach = dynamic_cast<const Attach*>(c)) held.insert(attach->tissue.get());
+    if (c->info().name == "Tool") held.insert(c);
+    if (c->info().name == "Contact") contacts.push_back(scene.links_of(*c));
+  }
+  const auto is_held = [&](const Component* c) { return held.contains(c); };
+  for (std::size_t before = 0; before != held.size();) {
+    before = held.size();
+    for (const std::vector<Component*>& touching : contacts)
+      if (std::any_of(touching.begin(), touching.end(), is_held))
+        for (const Component* c : touching)
+          if (dynamic_cast<const CurveBody*>(c) == nullptr) held.insert(c);
+  }
+  return is_held(this);
 }
 
 void Tissue::initialise(Setup& setup) {
@@ -140,6 +180,7 @@ void Tissue::initialise(Setup& setup) {
 
 /// Every Layer and Attach has spoken.
 void Tissue::ready(Setup& setup) {
+  doubt_size(setup);
   step_->prepare(setup.dt);
   for (const SolidQueries& q : queries_) q.fit();
 }
@@ -208,7 +249,9 @@ std::string Tissue::settle(const Vec3& gravity) {
     return "nothing holds this tissue, so it has no balance; it needs an Attach";
   VecX x = positions();
   if (load().size() != dofs()) load().setZero(dofs());
-  const std::string trouble = tissue::settle(model_, load(), gravity, x);
+  std::string trouble = tissue::settle(model_, load(), gravity, x);
+  if (!trouble.empty())
+    if (const std::string free = free_motion(model_); !free.empty()) trouble += "; " + free;
   set_state(x, VecX::Zero(dofs()));
   step_->renew();
   return trouble;

@@ -127,6 +127,8 @@ class Tissue : public Component, public MeshedSolid {
     return queries_[static_cast<std::size_t>(c)];
   }
   void doubt(Setup& setup) const;
+  void doubt_size(Setup& setup) const;
+  bool may_be_held(const Scene& scene) const;
   void update_materials();
   void start_moving();
   void move_queries(Configuration c, const VecX& x) {

@@ -132,7 +132,10 @@ Vec3 Forceps::position(const Target& target, const Point& p) const {
 
 void Forceps::detect(const StepContext& context) {
   if (context.pass == 0) {
-    if (take_) take();
+    if (take_) {
+      take();
+      count_closing(!pieces_.empty(), context.time);
+    }
     take_ = false;
     const Real open = still_open(context);
     for (Piece& piece : pieces_)
@@ -247,6 +250,7 @@ void Forceps::drop_what_is_out() {
 
 void Forceps::archive(Archive& a) {
   archive_jaws(a);
+  archive_closings(a);
   a("take", take_);
   a("next_id", next_id_);
   a("sliding", sliding_);
@@ -270,6 +274,10 @@ void Forceps::archive(Archive& a) {
   for (const Piece& piece : pieces_)
     if (piece.target < 0 || piece.target >= static_cast<Index>(targets_.size()))
       a.fail("forceps that hold a body of another scene");
+}
+
+std::string Forceps::end_note() const {
+  return closed_in_vain(body_ ? "nothing of 'body' was" : "neither thread nor tissue was");
 }
 
 BodyGeometry Forceps::geometry() const {

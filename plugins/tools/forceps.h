@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sutura/end_note.h"
 #include "sutura/geometry/triangle_surface.h"
 #include "sutura/simulation.h"
 #include "timed_jaws.h"
@@ -14,7 +15,8 @@ class Forceps : public Component,
                 public TimedJaws,
                 public ConstraintSource,
                 public ToolSpace,
-                public Drawing {
+                public Drawing,
+                public EndNote {
  public:
   static void describe(Describe<Forceps>& d);
 
@@ -31,6 +33,7 @@ class Forceps : public Component,
   Wrench wrench() const override { return applied_; }
 
   BodyGeometry geometry() const override;
+  std::string end_note() const override;
 
  private:
   /// What can be taken: one of the two is null.

@@ -28,7 +28,11 @@ void Scissors::initialise(Setup& setup) {
 void Scissors::drive(const StepContext& context) {
   const Real now = context.time + std::max(context.early, 1e-6 * context.dt);
   const Index due = std::upper_bound(times_.begin(), times_.end(), now) - times_.begin();
-  if (due > closed_ || told_) cut();
+  if (due > closed_ || told_) {
+    const Index before = cuts_;
+    cut();
+    count_closing(cuts_ > before, context.time);
+  }
   closed_ = std::max(closed_, due);
   told_ = false;
 }
@@ -45,7 +49,12 @@ void Scissors::cut() {
     }
 }
 
+std::string Scissors::end_note() const {
+  return closed_in_vain(body_ ? "nothing of 'body' that they cut was" : "no thread was");
+}
+
 void Scissors::archive(Archive& a) {
+  archive_closings(a);
   a("closed", closed_);
   a("told", told_);
   a("cuts", cuts_);

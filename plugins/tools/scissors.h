@@ -5,12 +5,13 @@
 
 #include "grasp_schedule.h"
 #include "sutura/cuttable.h"
+#include "sutura/end_note.h"
 #include "sutura/simulation.h"
 #include "tool_space.h"
 
 namespace sutura::tools {
 
-class Scissors : public Component, public Driver, public ToolSpace {
+class Scissors : public Component, public Driver, public ToolSpace, public EndNote {
  public:
   static void describe(Describe<Scissors>& d);
 
@@ -18,6 +19,7 @@ class Scissors : public Component, public Driver, public ToolSpace {
   void archive(Archive& archive) override;
   void drive(const StepContext& context) override;
   Real next_event(Real time) const override { return first_after(time, times_); }
+  std::string end_note() const override;
 
  private:
   void cut();

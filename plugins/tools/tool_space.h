@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "jaw_space.h"
+#include "sutura/archive.h"
 #include "sutura/describe.h"
 #include "sutura/simulation.h"
 #include "sutura/tool.h"
@@ -26,6 +27,13 @@ class ToolSpace {
   std::vector<JawSpace::Stretch>& look(const SegmentedCurve& curve, Configuration c,
                                        const Pose& frame);
 
+  /// They have closed, where they are at the start of a step.
+  void count_closing(bool on_something, Real time);
+  /// Of those that have closed and never on anything, a sentence; else empty. `nothing`: "no thread
+  /// was".
+  std::string closed_in_vain(const std::string& nothing) const;
+  void archive_closings(Archive& archive);
+
   JawSpace space_;
 
  private:
@@ -33,6 +41,10 @@ class ToolSpace {
   Vec3 centre_ = Vec3::Zero(), axis_ = Vec3::UnitZ(), rotation_ = Vec3::Zero();
   Vec3 size_{2e-3, 2e-3, 2e-3};
   Pose as_modelled_;
+  Index in_vain_ = 0;                  ///< how often they have closed on nothing
+  bool on_something_ = false;          ///< ever
+  Real first_in_vain_ = 0;             ///< s
+  Vec3 place_in_vain_ = Vec3::Zero();  ///< their centre then (m)
   std::vector<CurveSegment> seen_;
   std::vector<JawSpace::Stretch> stretches_;
 };
@@ -48,12 +60,15 @@ void ToolSpace::describe_space(Describe<T>& d, const std::string& tool, const st
       "centre", static_cast<Vector>(&ToolSpace::centre_), "m", sutura::between(-1e6, 1e6),
       "Middle of the space between the " + between + ", as modelled: before the track moves it.");
   d.attribute("axis", static_cast<Vector>(&ToolSpace::axis_), "1", any(),
-              "Direction in which the " + sides + " close.");
+              "Direction in which the " + sides +
+                  " close, z of the space. Its x and y are where the shortest turn from z to "
+                  "'axis' takes them: for 0 0 1 along x and y, for 1 0 0 along -z and y, for "
+                  "0 1 0 along x and -z.");
   d.attribute("rotation", static_cast<Vector>(&ToolSpace::rotation_), "rad",
               sutura::between(-1e4, 1e4),
               "Rotation vector about the centre, after the axis has been laid as said.");
   d.attribute("size", static_cast<Vector>(&ToolSpace::size_), "m", sutura::between(1e-6, 1e3),
-              "Edges of the space between the " + between + ": the third one along 'axis'.");
+              "Edges of the space between the " + between + ": along its x, its y and 'axis'.");
 }
 
 }  // namespace sutura::tools

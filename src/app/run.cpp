@@ -135,6 +135,7 @@ int run(const RunArguments& arguments) {
     complain("how long? Give --steps or --duration, or <sutura duration=\"4 s\"> in the scene");
   if (result.end != RunEnd::no_end && result.end != RunEnd::refused) {
     std::printf("%s: %s", arguments.scene.scene.c_str(), summary.text(result.seconds).c_str());
+    for (const std::string& note : result.notes) std::printf("  note: %s\n", note.c_str());
     std::fflush(stdout);
   }
   if (!result.message.empty() && result.end != RunEnd::failed) complain(result.message);

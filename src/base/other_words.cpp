@@ -25,6 +25,9 @@ constexpr std::array words{
     Word{"tetrahedronsettopologycontainer", "TetMesh"},
     Word{"meshtopology", "TetMesh"},
     Word{"flexcomp", "TetMesh"},
+    Word{"regulargrid", "BlockMesh"},
+    Word{"regulargridtopology", "BlockMesh"},
+    Word{"sparsegridtopology", "BlockMesh"},
     Word{"tetrahedronfemforcefield", "Tissue"},
     Word{"tetrahedralcorotationalfemforcefield", "Tissue"},
     Word{"fasttetrahedralcorotationalforcefield", "Tissue"},
@@ -43,6 +46,8 @@ constexpr std::array words{
     Word{"fixedconstraint", "Attach"},
     Word{"fixedprojectiveconstraint", "Attach"},
     Word{"partialfixedconstraint", "Attach"},
+    Word{"fixedtranslationconstraint", "Attach"},
+    Word{"restshapespringsforcefield", "Attach"},
     Word{"boxroi", "Attach"},
     Word{"fixed", "Attach"},
     Word{"fix", "Attach"},
@@ -50,6 +55,9 @@ constexpr std::array words{
     Word{"boundarycondition", "Attach"},
     Word{"weld", "Attach"},
     Word{"anchor", "Attach"},
+    Word{"constantforcefield", "TissueLoad"},
+    Word{"surfacepressureforcefield", "TissueLoad"},
+    Word{"trianglepressureforcefield", "TissueLoad"},
     Word{"beamfemforcefield", "SutureThread"},
     Word{"adaptivebeamforcefieldandmass", "SutureThread"},
     Word{"beaminterpolation", "SutureThread"},
@@ -68,6 +76,10 @@ constexpr std::array words{
     Word{"needledriver", "Grasper"},
     Word{"attachconstraint", "Grasper"},
     Word{"tool", "Grasper"},
+    Word{"planeforcefield", "Tool"},
+    Word{"planecollisionmodel", "Tool"},
+    Word{"rigidobject", "Tool"},
+    Word{"geom", "Tool"},
     Word{"linearmovementconstraint", "Track"},
     Word{"linearmovementprojectiveconstraint", "Track"},
     Word{"trajectory", "Track"},
@@ -250,7 +262,96 @@ constexpr std::array words{
     Word{"linear", "t4"},
 };
 
+/// What other programs have components for and Sutura has none, and what does it here.
+constexpr const char* for_step =
+    "none is needed: every step is one of implicit Euler, as long as 'dt' of <sutura> says";
+constexpr const char* for_balance =
+    "a <Tissue> or <SutureThread> with settle=\"true\" begins in balance";
+constexpr const char* for_touch =
+    "none is needed: a <Contact> names two that may touch, a thread, a tissue or a rigid <Tool>, "
+    "and knows their surfaces";
+constexpr const char* for_mapping =
+    "none is needed: surfaces, and what passes through a tissue, follow it by themselves";
+constexpr const char* for_topology = "none is needed: the mesh is all that is given";
+constexpr const char* for_mass = "none is needed: a body has its mass from its 'density'";
+constexpr const char* for_compliance = "none is needed: every body knows how it gives way";
+constexpr const char* for_drawing =
+    "nothing is drawn while it runs; a <VtuRecorder> writes files to look at";
+constexpr std::array needless{
+    Word{"freemotionanimationloop", for_step},
+    Word{"defaultanimationloop", for_step},
+    Word{"animationloop", for_step},
+    Word{"eulerimplicitsolver", for_step},
+    Word{"eulerimplicit", for_step},
+    Word{"eulerexplicitsolver", for_step},
+    Word{"rungekutta4solver", for_step},
+    Word{"newmarkimplicitsolver", for_step},
+    Word{"odesolver", for_step},
+    Word{"integrator", for_step},
+    Word{"staticsolver", for_balance},
+    Word{"staticodesolver", for_balance},
+    Word{"staticequilibriumsolver", for_balance},
+    Word{"collisionmodel", for_touch},
+    Word{"trianglecollisionmodel", for_touch},
+    Word{"linecollisionmodel", for_touch},
+    Word{"pointcollisionmodel", for_touch},
+    Word{"spherecollisionmodel", for_touch},
+    Word{"trianglemodel", for_touch},
+    Word{"linemodel", for_touch},
+    Word{"pointmodel", for_touch},
+    Word{"spheremodel", for_touch},
+    Word{"collisionpipeline", for_touch},
+    Word{"defaultpipeline", for_touch},
+    Word{"defaultcollisiongroupmanager", for_touch},
+    Word{"bruteforcedetection", for_touch},
+    Word{"bruteforcebroadphase", for_touch},
+    Word{"bvhnarrowphase", for_touch},
+    Word{"minproximityintersection", for_touch},
+    Word{"newproximityintersection", for_touch},
+    Word{"localmindistance", for_touch},
+    Word{"discreteintersection", for_touch},
+    Word{"defaultcontactmanager", for_touch},
+    Word{"rulebasedcontactmanager", for_touch},
+    Word{"collisionresponse", for_touch},
+    Word{"collisioninteraction", for_touch},
+    Word{"barycentricmapping", for_mapping},
+    Word{"identitymapping", for_mapping},
+    Word{"rigidmapping", for_mapping},
+    Word{"subsetmapping", for_mapping},
+    Word{"adaptivebeammapping", for_mapping},
+    Word{"tetra2triangletopologicalmapping", for_mapping},
+    Word{"tetrahedronsettopologymodifier", for_topology},
+    Word{"tetrahedronsetgeometryalgorithms", for_topology},
+    Word{"trianglesettopologycontainer", for_topology},
+    Word{"trianglesettopologymodifier", for_topology},
+    Word{"trianglesetgeometryalgorithms", for_topology},
+    Word{"edgesettopologycontainer", for_topology},
+    Word{"uniformmass", for_mass},
+    Word{"diagonalmass", for_mass},
+    Word{"meshmatrixmass", for_mass},
+    Word{"linearsolverconstraintcorrection", for_compliance},
+    Word{"uncoupledconstraintcorrection", for_compliance},
+    Word{"precomputedconstraintcorrection", for_compliance},
+    Word{"genericconstraintcorrection", for_compliance},
+    Word{"oglmodel", for_drawing},
+    Word{"visualmodel", for_drawing},
+    Word{"visualstyle", for_drawing},
+    Word{"oglviewer", for_drawing},
+    Word{"interactivecamera", for_drawing},
+    Word{"backgroundsetting", for_drawing},
+    Word{"defaultvisualmanagerloop", for_drawing},
+    Word{"lightmanager", for_drawing},
+    Word{"directionallight", for_drawing},
+};
+
 }  // namespace
+
+std::string what_instead(std::string_view name) {
+  const std::string word = bare(name);
+  for (const Word& needed : needless)
+    if (word == needed.theirs) return needed.ours;
+  return {};
+}
 
 std::string other_word(std::string_view name, std::span<const std::string> candidates) {
   const std::string theirs = bare(name);

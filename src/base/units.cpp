@@ -195,4 +195,11 @@ std::string format_real(Real value) {
   return std::string(buffer.data(), end);
 }
 
+std::string plain_number(Real value) {
+  constexpr Real plain_below = 1e7;
+  if (value == std::floor(value) && std::abs(value) < plain_below)
+    return std::to_string(static_cast<long>(value));
+  return format_real(value);
+}
+
 }  // namespace sutura

@@ -3,6 +3,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "runtime/failure.h"
+#include "sutura/end_note.h"
+
 namespace sutura {
 namespace {
 
@@ -25,6 +28,20 @@ std::string begin(Simulation& simulation, const RunOptions& options) {
   if (options.resume.empty()) return simulation.start_recording();
   const std::string error = simulation.restore(options.resume);
   return error.empty() ? simulation.resume_recording() : error;
+}
+
+/// What components say of the whole run; nothing, and why in `failure`, if one throws.
+std::vector<std::string> end_notes(const Scene& scene, std::optional<Diagnostic>& failure) {
+  std::vector<std::string> notes;
+  for (const Component* c : scene.components()) try {
+      const auto* who = dynamic_cast<const EndNote*>(c);
+      const std::string note = who != nullptr ? who->end_note() : std::string();
+      if (!note.empty()) notes.push_back(c->path() + ": " + note);
+    } catch (...) {
+      failure = failure_of(c, "when the run was done");
+      return {};
+    }
+  return notes;
 }
 
 }  // namespace
@@ -90,6 +107,14 @@ RunResult run_scene(std::unique_ptr<Scene> scene, const RunOptions& options,
   const std::string unfinished = simulation->finish_recording();
   fail_if_broken();
   if (!unfinished.empty()) fail(RunEnd::file_failed, unfinished);
+  if (result.end == RunEnd::done) {
+    std::optional<Diagnostic> failure;
+    result.notes = end_notes(simulation->scene(), failure);
+    if (failure) {
+      diagnostics.add(*failure);
+      fail(RunEnd::failed, failure->text());
+    }
+  }
   return result;
 }
 

@@ -153,28 +153,16 @@ std::string write_attribute(const AttributeInfo& a, const Component& component) 
   return {};
 }
 
-namespace {
-
-/// As people write limits: 100000, not 1e+05.
-std::string limit_text(Real value) {
-  constexpr Real plain_below = 1e7;
-  if (value == std::floor(value) && std::abs(value) < plain_below)
-    return std::to_string(static_cast<long>(value));
-  return format_real(value);
-}
-
-}  // namespace
-
 std::string range_text(const Range& r, const std::string& unit) {
   const auto limit = [&](Real value) {
-    return limit_text(value) + (unit.empty() || unit == "1" ? "" : ' ' + unit);
+    return plain_number(value) + (unit.empty() || unit == "1" ? "" : ' ' + unit);
   };
   const bool low = std::isfinite(r.low), high = std::isfinite(r.high);
   if (low && high) {
-    std::string out = "between " + limit_text(r.low) + " and " + limit(r.high);
+    std::string out = "between " + plain_number(r.low) + " and " + limit(r.high);
     if (r.low_open && r.high_open) return out + ", both excluded";
-    if (r.low_open) return out + ", " + limit_text(r.low) + " excluded";
-    if (r.high_open) return out + ", " + limit_text(r.high) + " excluded";
+    if (r.low_open) return out + ", " + plain_number(r.low) + " excluded";
+    if (r.high_open) return out + ", " + plain_number(r.high) + " excluded";
     return out;
   }
   if (low) return (r.low_open ? "above " : "at least ") + limit(r.low);

@@ -278,49 +278,6 @@ void SceneReader::read_node(const XmlElement& element, Node& parent, std::set<st
   read_children(element, *parent.children.back());
 }
 
-/// The plugin among those found that would have had the component; empty if none has.
-std::string SceneReader::plugin_that_has(const std::string& tag) {
-  if (!looked_elsewhere_) {
-    looked_elsewhere_ = true;
-    for (const std::string& name : available_plugins(plugin_directories_)) {
-      if (registry_.has_plugin(name)) continue;
-      Registry other;
-      Diagnostics ignored;
-      load_plugin(other, name, plugin_directories_, {}, ignored);
-      for (const ComponentInfo* info : other.components()) elsewhere_[info->name] = name;
-    }
-  }
-  const auto found = elsewhere_.find(tag);
-  return found == elsewhere_.end() ? std::string() : found->second;
-}
-
-void SceneReader::unknown_component(const XmlElement& element, const std::string& path) {
-  if (!all_plugins_loaded_) return;  // it may well come from the plugin that is missing
-  std::vector<std::string> tags{"node", "plugin"};
-  for (const ComponentInfo* info : registry_.components()) tags.push_back(info->name);
-  const std::string near = nearest_name(element.name, tags);
-  const std::string plugin = plugin_that_has(element.name);
-  if (!plugin.empty()) {
-    error(at(element.line), path,
-          "<" + element.name +
-              "> comes from a plugin that the scene does not name; add <plugin name=\"" + plugin +
-              "\"/>");
-    return;
-  }
-  std::string message = "there is no component <" + shortened(element.name) + ">";
-  if (!near.empty()) {
-    message += "; did you mean <" + near + ">?";
-  } else if (scene_.plugins.empty()) {
-    message += "; the scene names no plugin";
-  } else {
-    message += " in the plugins of this scene (";
-    for (const PluginUse& use : scene_.plugins)
-      message += (&use == &scene_.plugins.front() ? "" : ", ") + shortened(use.name);
-    message += ")";
-  }
-  error(at(element.line), path, message);
-}
-
 void SceneReader::read_component(const XmlElement& element, Node& node,
                                  std::set<std::string>& names) {
   const std::string name = name_of(element, default_name(element.name), node, names);

@@ -52,7 +52,7 @@ class SceneReader {
   void read_values(const XmlElement& element, Component& component, Node& node,
                    const std::vector<Value>& values);
   void unknown_component(const XmlElement& element, const std::string& path);
-  std::string plugin_that_has(const std::string& tag);
+  const std::map<std::string, std::string>& elsewhere();
 
   std::vector<Value> values_of(const XmlElement& element, const std::string& path);
   std::string name_of(const XmlElement& element, const std::string& fallback, const Node& parent,

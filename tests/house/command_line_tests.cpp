@@ -192,6 +192,16 @@ TEST_F(CommandLine, TheSummarySaysWhatWentWrong) {
   EXPECT_NE(out.text.find("tetrahedra are turned inside out"), std::string::npos) << out.text;
 }
 
+// Blades beside the thread: said once, and the run is as good as any.
+TEST_F(CommandLine, TheSummarySaysWhatClosedOnNothing) {
+  const std::string cut =
+      "run " SUTURA_SOURCE_DIR "/scenes/components/Scissors.xml --duration 0.2" + output();
+  EXPECT_EQ(command(cut).text.find("note: "), std::string::npos);
+  const Outcome out = command(cut + " --set /scissors.centre='50 0 0 mm'");
+  EXPECT_EQ(out.code, 0) << out.text;
+  EXPECT_NE(out.text.find("  note: /scissors: closed at "), std::string::npos) << out.text;
+}
+
 // A thread that falls over its clamped beginning, in quarters of steps: each part of a step says
 // what the others say.
 TEST_F(CommandLine, ANoteOfADividedStepCountsOnce) {

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "scenes/text_run.h"
+#include "sutura/end_note.h"
+#include "sutura/geometry/box_tree.h"
 #include "sutura/geometry/curve_segments.h"
 #include "sutura/tool.h"
 
@@ -204,6 +206,44 @@ TEST(Forceps, DoAsAHostSays) {
   jaws.release();
   run.simulation().step();
   EXPECT_EQ(run.number("/forceps", "pieces"), 0);
+}
+
+// What they close on late, or at all, is no news; that they never did is.
+TEST(Forceps, SayAtTheEndThatTheyNeverHeldAnything) {
+  const auto note = [](const std::string& more, Real until = 0.05) {
+    TextRun run(thread +
+                "<Track times='0 0.02 s' positions='0 0 9 0 0 0 mm'/><Forceps centre='5 0 0 mm' " +
+                more + "/>");
+    EXPECT_TRUE(run) << run.said();
+    run.run(until);
+    return dynamic_cast<const EndNote&>(*run.simulation().find("/forceps")).end_note();
+  };
+  EXPECT_EQ(note("grasp='0'"),
+            "closed at 0 s, when their centre was at 5 0 9 mm, and neither thread nor tissue was "
+            "between them");
+  EXPECT_EQ(note("grasp='0 0.01 s' release='5 20 ms'").find("closed 2 times, first at 0 s"), 0u);
+  EXPECT_EQ(note("grasp='0 0.03 s' release='5 ms'"), "");
+  EXPECT_EQ(note("grasp='0.03 s' release='0.04 s'"), "");
+  EXPECT_EQ(note("grasp='1 s'"), "");  // they have not closed yet
+}
+
+// As 'axis' of Forceps, Scissors and Tool says: the shortest turn from z takes x and y along.
+TEST(Forceps, TheEdgesOfTheirSpaceLieAsTheAxisSays) {
+  const auto lies = [](const std::string& axis, const Vec3& extent) {
+    TextRun run("<plugin name='contact'/>" + thread + "<Forceps size='1 2 3 mm' axis='" + axis +
+                "'/><Tool shape='box' size='1 2 3 mm' axis='" + axis + "'/>");
+    ASSERT_TRUE(run) << run.said();
+    for (const char* path : {"/forceps", "/tool"}) {
+      const auto* drawing = dynamic_cast<const Drawing*>(run.simulation().find(path));
+      ASSERT_NE(drawing, nullptr);
+      Box box;
+      for (const Vec3& p : drawing->geometry().points) box.add(p);
+      EXPECT_LT((box.high - box.low - 1e-3 * extent).norm(), 1e-12) << path << " " << axis;
+    }
+  };
+  lies("0 0 1", {1, 2, 3});
+  lies("1 0 0", {3, 2, 1});
+  lies("0 1 0", {1, 3, 2});
 }
 
 TEST(Forceps, SayWhatIsWrong) {

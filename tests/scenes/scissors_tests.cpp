@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/text_run.h"
+#include "sutura/end_note.h"
 
 namespace sutura::testing {
 namespace {
@@ -38,6 +39,22 @@ TEST(Scissors, CutWithinAStep) {
   constexpr Real h = 5e-3, rest = 2.7e-3, n = 39;
   const Real fallen = gravity * (rest * rest + n * h * rest + h * h * n * (n + 1) / 2);
   EXPECT_NEAR(run.vector("/suture_thread", "end_position").z(), before - fallen, 1e-8);
+}
+
+TEST(Scissors, SayAtTheEndThatTheyNeverCutAnything) {
+  const auto note = [](const std::string& centre, const std::string& times) {
+    TextRun run = TextRun::file("components/Scissors.xml",
+                                {{"/scissors.centre", centre}, {"/scissors.times", times}});
+    run.run(0.1);
+    return dynamic_cast<const EndNote&>(*run.simulation().find("/scissors")).end_note();
+  };
+  const std::string beside = "50 0 -10 mm";
+  EXPECT_EQ(note(beside, "20 ms"),
+            "closed at 0.02 s, when their centre was at 50 0 -10 mm, and no thread was between "
+            "them");
+  EXPECT_EQ(note(beside, "20 40 ms").find("closed 2 times, first at 0.02 s"), 0u);
+  EXPECT_EQ(note(beside, "1 s"), "");
+  EXPECT_EQ(note("0 0 -10 mm", "20 40 ms"), "");
 }
 
 // 17 mm of needle and 3 mm of thread are between the blades: the thread is cut, in its middle.

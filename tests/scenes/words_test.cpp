@@ -220,6 +220,75 @@ TEST(Words, ATissueThatNothingHoldsCannotSettle) {
   EXPECT_NE(run.said().find("nothing holds this tissue"), std::string::npos) << run.said();
 }
 
+// It is attached, but not enough of it, or not in every direction.
+TEST(Words, ATissueThatCannotSettleIsSaidToBeFree) {
+  const auto said = [](const std::string& holes, const std::string& attach) {
+    const TextRun run("<BlockMesh box=\"0 0 0 60 10 10 mm\" cells=\"6 2 2\" " + holes +
+                          "/><Tissue settle=\"true\" poisson=\"0.3\"/><Attach " + attach + "/>",
+                      "gravity=\"0 0 -9.81\"");
+    EXPECT_FALSE(run);
+    return run.said();
+  };
+  const std::string falls = said("", "box=\"0 0 0 60 10 0 mm\" directions=\"x\"");
+  EXPECT_NE(falls.find("[/tissue] settle: no balance was found"), std::string::npos) << falls;
+  EXPECT_NE(falls.find("it is free to move along y"), std::string::npos) << falls;
+  const std::string part = said("holes=\"20 -1 -1 40 11 11 mm\"", "box=\"0 0 0 10 10 0 mm\"");
+  EXPECT_NE(part.find("one of its 2 parts, with a node at 40 0 0 mm, is free to move in every "
+                      "direction"),
+            std::string::npos)
+      << part;
+}
+
+// A mesh in the wrong unit passes by itself, and not beside a needle.
+TEST(Words, ATissueFarFromTheSizeOfItsNeedleIsDoubted) {
+  const auto doubts = [](const std::string& size, const std::string& needle = "26 mm") {
+    const TextRun run("<BlockMesh box=\"0 0 0 " + size +
+                      "\" cells=\"4 2 2\"/><Tissue poisson=\"0.3\"/>"
+                      "<Attach nodes=\"0 1 2 3\"/><SutureThread name=\"s\" needle_length=\"" +
+                      needle + "\"/>");
+    EXPECT_TRUE(run) << run.said();
+    return run.said().find("is the unit of one of them wrong?") != std::string::npos;
+  };
+  EXPECT_FALSE(doubts("50 30 10 mm"));
+  EXPECT_TRUE(doubts("50 30 10 cm"));
+  EXPECT_TRUE(doubts("3 2 1 mm"));
+  EXPECT_FALSE(doubts("50 30 10 cm", "0"));  // there is no needle
+}
+
+// What lies on a tool or on a tissue that is attached does not fall.
+TEST(Words, ATissueThatMayLieOnSomethingIsNotSaidToFall) {
+  const auto says_so = [](const std::string& others) {
+    const TextRun run(
+        "<plugin name=\"contact\"/><node name=\"a\"><BlockMesh box=\"0 0 0 20 10 10 mm\" cells=\"4 "
+        "2 2\"/>"
+        "<Tissue poisson=\"0.3\"/></node>" +
+            others,
+        "gravity=\"0 0 -9.81\"");
+    EXPECT_TRUE(run) << run.said();
+    return run.said().find("[/a/tissue] nothing holds this tissue") != std::string::npos;
+  };
+  const std::string table = "<Tool centre=\"0 0 -1 mm\"/>";
+  const std::string below =
+      "<node name=\"b\"><BlockMesh box=\"0 0 -20 20 10 -1 mm\" cells=\"4 2 2\"/>"
+      "<Tissue poisson=\"0.3\"/>";
+  const std::string bed = "<Attach box=\"0 0 -20 20 10 -20 mm\"/></node>";
+  const std::string touch = "<Contact first=\"/a/tissue\" second=\"/b/tissue\"/>";
+  EXPECT_FALSE(says_so(table + "<Contact first=\"/a/tissue\" tool=\"/tool\"/>"));
+  EXPECT_FALSE(says_so(below + bed + touch));
+  const std::string stand = "<Contact name=\"other\" first=\"/b/tissue\" tool=\"/tool\"/>";
+  const std::string deep = "<Tool centre=\"0 0 -21 mm\"/>";
+  EXPECT_FALSE(says_so(deep + below + "</node>" + touch + stand));
+  // Beside them, on one that falls too, or in touch with itself or with a thread, it falls.
+  EXPECT_TRUE(says_so(table));
+  EXPECT_TRUE(says_so(below + bed));
+  EXPECT_TRUE(says_so(below + "</node>" + touch));
+  EXPECT_TRUE(says_so("<Contact first=\"/a/tissue\"/>"));
+  EXPECT_TRUE(says_so(table + "<SutureThread name=\"s\" entry=\"0 0 30 mm\"/>"
+                              "<Contact first=\"/s\" tool=\"/tool\"/>"
+                              "<Contact name=\"other\" first=\"/s\" "
+                              "second=\"/a/tissue\"/>"));
+}
+
 TEST(Words, SizesThatAreMoreLikelyASlipOfTheUnitAreDoubted) {
   for (const char* slip : {"thread_length=\"50\"", "needle_length=\"17\"",
                            "needle_diameter=\"0.65\"", "thread_diameter=\"0.175\""}) {

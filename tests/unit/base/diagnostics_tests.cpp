@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "base/nearest_name.h"
 #include "sutura/diagnostics.h"
 
 namespace sutura {
@@ -45,6 +46,14 @@ TEST(NearestName, KnowsOtherSpellingsAndOtherPrograms) {
   EXPECT_EQ(nearest_name("timestep", std::vector<std::string>{"gravity", "dt"}), "dt");  // MuJoCo
   EXPECT_EQ(nearest_name("needle_tip_direction", names), "tip_direction");  // one is part of it
   EXPECT_EQ(nearest_name("timestep", names), "");  // the word is known, but not meant here
+}
+
+TEST(WhatInstead, KnowsWhatNeedsNoComponentHere) {
+  EXPECT_NE(what_instead("FreeMotionAnimationLoop").find("implicit Euler"), std::string::npos);
+  EXPECT_NE(what_instead("TriangleCollisionModel").find("<Contact>"), std::string::npos);
+  EXPECT_NE(what_instead("BarycentricMapping"), "");
+  EXPECT_EQ(what_instead("Tissue"), "");
+  EXPECT_EQ(what_instead(""), "");
 }
 
 TEST(NearestName, IsSilentWhenNothingIsClose) {

@@ -139,5 +139,12 @@ TEST(Units, FormattedNumbersReadBackTheSame) {
   EXPECT_EQ(format_real(0.1), "0.1");
 }
 
+TEST(Units, PlainNumbersAreWrittenAsPeopleDo) {
+  EXPECT_EQ(plain_number(100000), "100000");
+  EXPECT_EQ(plain_number(-3), "-3");
+  EXPECT_EQ(plain_number(0.5), "0.5");
+  EXPECT_EQ(plain_number(1e300), "1e+300");
+}
+
 }  // namespace
 }  // namespace sutura

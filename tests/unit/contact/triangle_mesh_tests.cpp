@@ -128,7 +128,7 @@ TEST(Triangles, SayWhatIsWrongAndWhere) {
       {without(a, "element vertex 4", "element vertex -4"), "the number of elements is -4", 4},
       {without(a, "element face 4", "element face 5"), "the file ends where", 20},
       {without(a, "3 0 2 1", "3 0 2 7"), "the number of a vertex is 7", 16},
-      {without(a, "3 0 2 1", "3 0 2 1.5"), "expected a whole number below 4", 16},
+      {without(a, "3 0 2 1", "3 0 2 1.5"), " is 1.5, expected a whole number below 4", 16},
       {without(a, "3 0 2 1", "2 0 2"), "a face of 2 points", 16},
       {without(a, "element vertex 4", "property float w"), "a property before any element", 4},
       {ply("binary_little_endian").substr(0, 260), "the file ends where", -1}};

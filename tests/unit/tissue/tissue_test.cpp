@@ -178,8 +178,8 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 6 cm'/>", "no node of the tissue lies in 'box'",
               2},
         Fault{MESH "<Tissue/><Attach box='5 5 5 6 6 cm'/>", "5 numbers, expected 6", 2},
-        Fault{MESH "<Tissue/><Attach nodes='0 1000'/>", "names node 1000", 2},
-        Fault{MESH "<Tissue/><Attach nodes='0.5'/>", "expected whole numbers", 2}));
+        Fault{MESH "<Tissue/><Attach nodes='0 100000'/>", "names node 100000, expected", 2},
+        Fault{MESH "<Tissue/><Attach nodes='0.5'/>", "names node 0.5, expected whole numbers", 2}));
 
 TEST(TetMesh, GuessesThatMillimetresWereMeant) {
   TissueScene small(
