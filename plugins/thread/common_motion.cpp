@@ -62,7 +62,15 @@ void find_common_motion(const Rod& rod, const Dofs& force, Real dt, DofVector& v
     const Real about = eigen.eigenvalues()[k];
     if (about > on_a_line * eigen.eigenvalues()[2]) spin += axis.dot(momentum) / about * axis;
   }
-  for (Index i = 0; i < rod.nodes(); ++i) {
+  // Hands that draw it do not carry it.
+  constexpr Real aside = 1e-2;
+  bool as_one = true;
+  if (rod.is_held())
+    each_point(rod, dt, [&](Real, const Vec3& at, const Vec3& v) {
+      const Vec3 off = v - shift - spin.cross(at - centre);
+      as_one = as_one && off.norm() <= aside * v.norm();
+    });
+  for (Index i = 0; i < rod.nodes() && as_one; ++i) {
     velocity.segment<3>(6 * i) = shift + spin.cross(rod.poses()[i].position - centre);
     velocity.segment<3>(6 * i + 3) = spin;
   }
