@@ -319,16 +319,13 @@ Real CurveCurve::built_from(const Touch& t) const {
 }
 
 Vec3 CurveCurve::slip(const Touch& t) const {
-  const Pose a0 = first_.frame(t.first_place, Configuration::start),
-             a = first_.frame(t.first_place, Configuration::current),
-             b0 = second_.frame(t.second_place, Configuration::start),
-             b = second_.frame(t.second_place, Configuration::current);
+  const SectionMotion a(first_, t.first_place), b(second_, t.second_place);
   // Seen from a partner that turns with both: what they roll counts against that.
   const Real reach = t.first_arm.norm() + t.second_arm.norm();
   const Pose start{Vec3::Zero(), Quat::Identity()},
-      now{Vec3::Zero(), common_turn(a0, a, b0, b, reach)};
-  return moved_on(start, now, first_, t.first_place, t.first_arm) -
-         moved_on(start, now, second_, t.second_place, t.second_arm);
+      now{Vec3::Zero(), common_turn(a.was, a.is, b.was, b.is, reach)};
+  return moved_on(start, now, first_, t.first_place, a, t.first_arm) -
+         moved_on(start, now, second_, t.second_place, b, t.second_arm);
 }
 
 void CurveCurve::couple(const Touch& t, BlockId block, const Directions& axes,

@@ -89,22 +89,34 @@ struct MovingCurve {
   }
 };
 
+/// A section of a curve at both ends of the step.
+struct SectionMotion {
+  Pose was, is;
+
+  SectionMotion(const SegmentedCurve& curve, Real s)
+      : was(curve.frame(s, Configuration::start)), is(curve.frame(s, Configuration::current)) {}
+};
+
 /// How far the surface has gone over the step at the touch that is now away from the section at s
 /// by `arm`, seen from a rigid partner that has gone from one pose to another (m). What the section
 /// has rolled on it counts as a length, roll times arm, however many turns it is; the way of one
 /// point of the surface is its sine.
 inline Vec3 moved_on(const Pose& partner_was, const Pose& partner_is, const SegmentedCurve& curve,
-                     Real s, const Vec3& arm) {
-  const Pose was = curve.frame(s, Configuration::start),
-             is = curve.frame(s, Configuration::current);
+                     Real s, const SectionMotion& section, const Vec3& arm) {
+  const Pose &was = section.was, &is = section.is;
   const Quat turn = partner_is.rotation * partner_was.rotation.conjugate();
   const Pose carried{partner_is.position + turn * (was.position - partner_was.position),
                      turn * was.rotation};
   const Vec3 along = is.rotation * Vec3::UnitX();
   const Vec3 arm_was = shortest_rotation(along, carried.rotation * Vec3::UnitX()) * arm;
-  const Real roll =
-      roll_between(carried.rotation, is.rotation) + whole_rolls(curve, s, carried.rotation);
+  const Real roll = roll_between(carried.rotation, is.rotation) +
+                    whole_rolls(curve, s, was.rotation, is.rotation, carried.rotation);
   return is.position - carried.position + arm - arm_was + roll * along.cross(arm);
+}
+
+inline Vec3 moved_on(const Pose& partner_was, const Pose& partner_is, const SegmentedCurve& curve,
+                     Real s, const Vec3& arm) {
+  return moved_on(partner_was, partner_is, curve, s, SectionMotion(curve, s), arm);
 }
 
 /// The lowest height over a plane that any point of the segment has on its way.

@@ -153,7 +153,8 @@ void Forceps::detect(const StepContext& context) {
                    is = target.curve->frame(p.s, Configuration::current).rotation;
         p.arm = is * (was.conjugate() * p.start_arm);
         // After a whole turn the point is where it was, but the section has rolled in the jaws.
-        rolled = whole_rolls(*target.curve, p.s, turn * was) * (is * Vec3::UnitX()).cross(p.arm);
+        rolled = whole_rolls(*target.curve, p.s, was, is, turn * was) *
+                 (is * Vec3::UnitX()).cross(p.arm);
       }
       p.gap = seen_from(frame, position(target, p) + rolled) - p.anchor;
     }

@@ -4,23 +4,29 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sutura {
 
 namespace {
 
-/// Uncapped contact that is closed (d_n < 0) and whose sticking force is not admissible.
+/// Uncapped contact that is closed (d_n < 0) and whose sticking force is not admissible. `lambda`:
+/// a first guess, most often the solution.
 void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
   // Normal row eliminated: (S + k) lambda_t = -r, lambda_n = -(d_n + w . lambda_t) / W_nn.
   const Real wn = W(0, 0);
   const Vec2 w = W.block<2, 1>(1, 0);
   const BlockMatrix<2> S = W.block<2, 2>(1, 1) - w * w.transpose() / wn;
   const Vec2 r = d.tail<2>() - w * (d[0] / wn);
-  Eigen::SelfAdjointEigenSolver<BlockMatrix<2>> eigen;
-  eigen.computeDirect(S);
-  const Vec2 e = eigen.eigenvalues().cwiseMax(0);
-  const Vec2 re = eigen.eigenvectors().transpose() * r;
-  const Vec2 we = eigen.eigenvectors().transpose() * w;
+  Vec2 e = S.diagonal().cwiseMax(0);
+  BlockMatrix<2> axes = BlockMatrix<2>::Identity();
+  if (S(1, 0) != 0) {  // laws are most often asked with a diagonal
+    Eigen::SelfAdjointEigenSolver<BlockMatrix<2>> eigen;
+    eigen.computeDirect(S);
+    e = eigen.eigenvalues().cwiseMax(0);
+    axes = eigen.eigenvectors();
+  }
+  const Vec2 re = axes.transpose() * r, we = axes.transpose() * w;
   Vec2 t;
   Real n = 0, slope = 0;  // of the excess over k
   const auto excess = [&](Real k) {
@@ -34,30 +40,31 @@ void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
     slope = (norm > 0 ? t.dot(dt) / norm : Real(0)) + mu * we.dot(dt) / wn;
     return norm - mu * n;
   };
-  Real low = 0, high = std::max(e[1], Real(1e-12) * wn), f = excess(high);
-  for (int i = 0; f > 0 && i < 200; ++i) {
-    low = high;
-    high *= 4;
-    f = excess(high);
-  }
-  // Newton's method, and a bisection where it leaves what encloses the root or is slow.
-  constexpr Real rounding = 4e-16;
-  Real k = high, last = high - low;
-  for (int i = 0; i < 200 && high - low > rounding * high && f != 0; ++i) {
+  // Newton's method, and a bisection where it leaves what encloses the root or is slow. The slip at
+  // the first guess tells k: where that is the solution, nothing is left to do.
+  const bool is_round = w.isZero(0) && e[0] == e[1];
+  const Real guess =
+      is_round ? r.norm() / (-mu * d[0] / wn) - e[0]
+               : (W.block<2, 3>(1, 0) * lambda + d.tail<2>()).norm() / lambda.tail<2>().norm();
+  constexpr Real rounding = 4e-16, none = std::numeric_limits<Real>::infinity();
+  Real k = guess > 0 && guess < none ? guess : std::max(e.maxCoeff(), Real(1e-12) * wn);
+  Real low = 0, high = none, last = 8 * k;
+  for (int i = 0; i < 200; ++i) {
+    const Real f = excess(k);
+    if (f == 0) break;
+    (f > 0 ? low : high) = k;
     const Real newton = k - f / slope;
     const bool takes_it = newton > low && newton < high && std::abs(newton - k) < 0.5 * last;
-    const Real next = takes_it ? newton : 0.5 * (low + high);
+    const Real next = takes_it ? newton : high < none ? 0.5 * (low + high) : 4 * k;
     last = std::abs(next - k);
-    k = next;
-    f = excess(k);
-    (f > 0 ? low : high) = k;
     if (last <= rounding * k) break;
+    k = next;
   }
   n = std::max(n, Real(0));
   const Real norm = t.norm();
   if (norm > 0) t *= mu * n / norm;  // on the cone, to the last bit
   lambda[0] = n;
-  lambda.tail<2>() = eigen.eigenvectors() * t;
+  lambda.tail<2>() = axes * t;
 }
 
 }  // namespace

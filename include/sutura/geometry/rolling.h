@@ -17,12 +17,11 @@ inline Real roll_between(const Quat& from, const Quat& to) {
 }
 
 /// The whole turns (in rad) by which section s has rolled over the step against something rigid,
-/// beyond what the two rotations tell: `carried` is what the section's would be, had it stayed on
-/// that.
-inline Real whole_rolls(const SegmentedCurve& curve, Real s, const Quat& carried) {
+/// beyond what the two rotations tell. `was` and `is` are its rotations at both ends of the step,
+/// `carried` what it would be now, had it stayed on that.
+inline Real whole_rolls(const SegmentedCurve& curve, Real s, const Quat& was, const Quat& is,
+                        const Quat& carried) {
   constexpr Real whole = 2 * std::numbers::pi;
-  const Quat was = curve.frame(s, Configuration::start).rotation,
-             is = curve.frame(s, Configuration::current).rotation;
   const Real about = curve.roll(s) - roll_between(was, carried);
   return whole * std::round((about - roll_between(carried, is)) / whole);
 }
