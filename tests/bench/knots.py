@@ -1,14 +1,16 @@
 #!/usr/bin/python3
-"""Where an overhand knot that is drawn together can be trusted, and what its force costs: knots.py SUTURA FOLDER [--only map|work] [--jobs N] [--limit S]
+"""Where an overhand knot that is drawn together can be trusted, and what its force costs: knots.py SUTURA FOLDER [--only map|rod|work] [--jobs N] [--limit S]
 
 map   scenes/knots/overhand.xml drawn from e = 165 to 16 diameters (e: by how much the thread is longer than its ends are apart), at
       several steps, speeds and frictions: the share of the steps that miss their tolerance, until e = 27 diameters and after that.
+rod   an overhand knot in a rod of 0.9 m and 3.2 mm with E 0.18 MPa, drawn at 60 mm/s to e = 27 diameters, dt 2.5 ms, 300 beams: time
+      of a step on one core and the pull at the end, with finer beams and steps to compare. Two runs at a time at most.
 work  the same drawn to 27 diameters within 0.3 s and held: error of the pull against processor time for a simulated second, over the
       length of the step, the number of beams, sampling, the tolerance, and with a knot that may become rigid. Each is the mean of several draws, which differ by
       a damping of no account: which touches carry the force is chaotic. The reference has the shortest step, the most beams and a
       tenth of the tolerance.
 
-Writes FOLDER/map.csv, FOLDER/work.csv and their charts.
+Writes FOLDER/map.csv, FOLDER/work.csv and their charts, and FOLDER/rod.csv.
 """
 import argparse
 import concurrent.futures
@@ -101,6 +103,59 @@ def work_settings():
     yield "reference", "reference", {".dt": "1.25 ms", "/suture.thread_beams": 560, ".tolerance": 0.001}
 
 
+ROD_SCENE = """<?xml version="1.0"?>
+<sutura version="1" dt="2.5 ms" gravity="0 0 0" duration="{duration} s">
+  <plugin name="thread"/> <plugin name="tools"/> <plugin name="contact"/> <plugin name="output"/>
+  <SutureThread name="suture" needle_length="0" thread_young="0.18 MPa" thread_density="1180" thread_diameter="3.2 mm"
+                damping_stiffness="1 ms" damping_mass="10 1/s" thread_length="{length} mm" thread_beams="300" tip_direction="-1 0 0" thread_start_file="start.csv"/>
+  <Contact friction="0.1"/>
+  <Track name="still" times="0" positions="0 0 0"/>
+  <Grasper name="left" at="0" track="still" rotation_stiffness="0"/>
+  <Track name="way" times="0 {drawn} s" positions="0 0 0  {way} mm" easing="smooth"/>
+  <Grasper name="right" at="{length} mm" track="way" rotation_stiffness="0"/>
+  <CsvProbe report="true" columns="/left.force /contact.touches"/>
+</sutura>
+"""
+
+
+def one_of_rod(sutura, limit, name, settings):
+    size = 3.2 / DIAMETER
+    drawn_in = size * math.hypot(*WAY) / 60
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        with open(KNOTS / "overhand_start.csv") as start, open(folder / "start.csv", "w") as out:
+            head, *rows = csv.reader(start)
+            table = csv.writer(out)
+            table.writerow(head)
+            for s, curvature, torsion in rows:
+                table.writerow([size * float(s), float(curvature) / size, float(torsion) / size])
+        (folder / "rod.xml").write_text(ROD_SCENE.format(length=size * LENGTH, drawn=drawn_in, duration=drawn_in + 2,
+                                                         way=" ".join(str(size * x) for x in WAY)))
+        command = ["timeout", str(limit), sutura, "run", folder / "rod.xml", "--lenient", "--output", folder / "out"]
+        for key, value in settings.items():
+            command += ["--set", f"{key}={value}"]
+        child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        _, status, used = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        with open(folder / "out" / "probe.csv") as probe:
+            head, *rows = csv.reader(probe)
+    rows = [row for row in rows if len(row) == len(head)]
+    columns = {name.split(" ")[0]: [float(x) for x in column] for name, column in zip(head, zip(*rows))}
+    force = [1e3 * math.hypot(*f) for f in zip(*(columns[f"left.force.{axis}"] for axis in "xyz"))]
+    held = [f for t, f in zip(columns["time"], force) if t > drawn_in + 0.5]
+    return {"name": name, "steps": len(rows), "missed": sum(x == 0 for x in columns["solved"]), "passes": statistics.mean(columns["passes"]),
+            "touches": max(columns["contact.touches"]), "pull": statistics.mean(held) if held else math.nan,
+            "ms": 1e3 * (used.ru_utime + used.ru_stime) / len(rows)}
+
+
+def rod_settings():
+    yield "300 beams", {}
+    yield "300 beams, 10 ms", {".dt": "10 ms"}
+    yield "sampled", {"/suture.thread_beams": 70, "/suture.sampling_angle": "0.3 rad", "/suture.shortest_beam": "3.2 mm"}
+    yield "sampled, 10 ms", {"/suture.thread_beams": 70, "/suture.sampling_angle": "0.3 rad", "/suture.shortest_beam": "3.2 mm", ".dt": "10 ms"}
+    yield "600 beams, 1.25 ms", {"/suture.thread_beams": 600, ".dt": "1.25 ms", ".tolerance": 0.001}
+
+
 def write(path, rows):
     with open(path, "w") as file:
         table = csv.DictWriter(file, rows[0].keys())
@@ -171,19 +226,22 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("sutura")
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--only", choices=("map", "work"))
+    parser.add_argument("--only", choices=("map", "rod", "work"))
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--draws", type=int, default=4)
     parser.add_argument("--limit", type=float, default=600, help="time that a run may take, s")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        if options.only != "work":
+        if options.only in (None, "rod"):
+            few = concurrent.futures.ThreadPoolExecutor(min(2, options.jobs))  # more share the memory of the machine
+            write(options.folder / "rod.csv", run_all(few, one_of_rod, [(options.sutura, options.limit, *of) for of in rod_settings()]))
+        if options.only in (None, "map"):
             jobs = [(options.sutura, options.limit, friction, speed, dt) for speed in SPEEDS for dt in STEPS for friction in FRICTIONS]
             rows = run_all(pool, one_of_map, jobs)
             write(options.folder / "map.csv", rows)
             draw_map(rows, options.folder / "knot_map.png")
-        if options.only != "map":
+        if options.only in (None, "work"):
             jobs = [(options.sutura, options.limit, name, settings, draw) for _, name, settings in work_settings() for draw in range(options.draws)]
             rows = run_all(pool, one_of_work, jobs)
             write(options.folder / "work.csv", rows)
