@@ -62,15 +62,15 @@ void find_common_motion(const Rod& rod, const Dofs& force, Real dt, DofVector& v
     const Real about = eigen.eigenvalues()[k];
     if (about > on_a_line * eigen.eigenvalues()[2]) spin += axis.dot(momentum) / about * axis;
   }
-  // Hands that draw it do not carry it.
-  constexpr Real aside = 1e-2;
-  bool as_one = true;
-  if (rod.is_held())
-    each_point(rod, dt, [&](Real, const Vec3& at, const Vec3& v) {
-      const Vec3 off = v - shift - spin.cross(at - centre);
-      as_one = as_one && off.norm() <= aside * v.norm();
-    });
-  for (Index i = 0; i < rod.nodes() && as_one; ++i) {
+  // Hands that draw it do not carry it, and what is at rest but for rounding goes nowhere.
+  constexpr Real aside = 0.1;
+  Real squares = 0, off = 0;
+  each_point(rod, dt, [&](Real weight, const Vec3& at, const Vec3& v) {
+    squares += weight * v.squaredNorm();
+    off += weight * (v - shift - spin.cross(at - centre)).squaredNorm();
+  });
+  if (off > aside * aside * squares) return;
+  for (Index i = 0; i < rod.nodes(); ++i) {
     velocity.segment<3>(6 * i) = shift + spin.cross(rod.poses()[i].position - centre);
     velocity.segment<3>(6 * i + 3) = spin;
   }

@@ -10,8 +10,7 @@ namespace sutura {
 
 namespace {
 
-/// Uncapped contact that is closed (d_n < 0) and whose sticking force is not admissible. `lambda`:
-/// a first guess, most often the solution.
+/// Uncapped contact that is closed (d_n < 0) and whose sticking force is not admissible.
 void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
   // Normal row eliminated: (S + k) lambda_t = -r, lambda_n = -(d_n + w . lambda_t) / W_nn.
   const Real wn = W(0, 0);
@@ -40,12 +39,10 @@ void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
     slope = (norm > 0 ? t.dot(dt) / norm : Real(0)) + mu * we.dot(dt) / wn;
     return norm - mu * n;
   };
-  // Newton's method, and a bisection where it leaves what encloses the root or is slow. The slip at
-  // the first guess tells k: where that is the solution, nothing is left to do.
-  const bool is_round = w.isZero(0) && e[0] == e[1];
-  const Real guess =
-      is_round ? r.norm() / (-mu * d[0] / wn) - e[0]
-               : (W.block<2, 3>(1, 0) * lambda + d.tail<2>()).norm() / lambda.tail<2>().norm();
+  // Newton's method, and a bisection where it leaves what encloses the root or is slow. It begins
+  // from the root for a W that is alike in both tangents and does not couple them to the normal.
+  const Real mean = re.squaredNorm() > 0 ? re.cwiseAbs2().dot(e) / re.squaredNorm() : Real(0);
+  const Real guess = re.norm() / (-mu * d[0] / wn) - mean;
   constexpr Real rounding = 4e-16, none = std::numeric_limits<Real>::infinity();
   Real k = guess > 0 && guess < none ? guess : std::max(e.maxCoeff(), Real(1e-12) * wn);
   Real low = 0, high = none, last = 8 * k;
