@@ -45,8 +45,8 @@ Real BetterGuess::product(const Pass& a, const Pass& b) const {
 bool BetterGuess::curve_down(const Pass& a, const Pass& b) const {
   Real sum = 0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (a.rests[i]) continue;
     const int width = bodies_[i].body->width();
+    if (a.rests[i] || width != 6) continue;
     for (Index k = 0; k + 3 <= a.to[i].size(); k += width) {
       const Vec3 way = (a.from[i] - b.from[i]).segment<3>(k);
       sum += way.dot((a.to[i] - b.to[i]).segment<3>(k) - way);
