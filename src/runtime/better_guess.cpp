@@ -40,6 +40,21 @@ Real BetterGuess::product(const Pass& a, const Pass& b) const {
   return sum;
 }
 
+/// Whether what a pass changes grows along the way from one guess to the other. A pass goes
+/// downhill by a positive definite matrix: between the two the potential then curves down.
+bool BetterGuess::curve_down(const Pass& a, const Pass& b) const {
+  Real sum = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const int width = bodies_[i].body->width();
+    if (a.rests[i] || width != 6) continue;
+    for (Index k = 0; k + 3 <= a.to[i].size(); k += width) {
+      const Vec3 way = (a.from[i] - b.from[i]).segment<3>(k);
+      sum += way.dot((a.to[i] - b.to[i]).segment<3>(k) - way);
+    }
+  }
+  return sum > 0;
+}
+
 bool BetterGuess::move_on(const StepContext& context) {
   Pass& newest = passes_[0];
   bool whole = true;
@@ -51,31 +66,31 @@ bool BetterGuess::move_on(const StepContext& context) {
   if (!whole) forget();  // its change is not what the pass asks for
   if (known_ < 2) return false;
 
+  const Real now = product(newest, newest), before = product(passes_[1], passes_[1]);
+  constexpr Real well = 0.3;  // a pass that contracts by that needs no help
+  slow_ = slow_ || !(now < well * well * before);
+  if (!slow_) return false;
+
+  std::array<const Pass*, memory> other{};
+  Index n = 0;
+  for (std::size_t j = 1; j < known_; ++j)
+    if (!curve_down(newest, passes_[j])) other[n++] = &passes_[j];
+  if (n == 0) return false;
+
   // Changes f of the passes; smallest |f0 + sum of c_j (f_j - f0)|.
-  using Square = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, memory, memory>;
-  const auto n = static_cast<Index>(known_);
-  Square f(n, n);
+  Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, memory, memory> a(n, n);
+  Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, memory, 1> c(n);
+  for (Index i = 0; i < n; ++i) c[i] = now - product(*other[i], newest);
   for (Index i = 0; i < n; ++i)
     for (Index j = i; j < n; ++j)
-      f(i, j) = f(j, i) =
-          product(passes_[static_cast<std::size_t>(i)], passes_[static_cast<std::size_t>(j)]);
-  constexpr Real well = 0.3;  // a pass that contracts by that needs no help
-  slow_ = slow_ || !(f(0, 0) < well * well * f(1, 1));
-  if (!slow_) return false;
-  Square a(n - 1, n - 1);
-  Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, memory, 1> c(n - 1);
-  for (Index i = 1; i < n; ++i) {
-    for (Index j = 1; j < n; ++j) a(i - 1, j - 1) = f(i, j) - f(i, 0) - f(0, j) + f(0, 0);
-    c[i - 1] = f(0, 0) - f(i, 0);
-  }
+      a(i, j) = a(j, i) = product(*other[i], *other[j]) + c[i] + c[j] - now;
   a.diagonal() *= 1 + 1e-10;  // passes that say the same
   c = a.ldlt().solve(c);
   if (!c.allFinite()) return false;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (newest.rests[i]) continue;
     guess_[i] = newest.to[i];
-    for (Index j = 1; j < n; ++j)
-      guess_[i] += c[j - 1] * (passes_[static_cast<std::size_t>(j)].to[i] - newest.to[i]);
+    for (Index j = 0; j < n; ++j) guess_[i] += c[j] * (other[j]->to[i] - newest.to[i]);
     bodies_[i].body->move_to(context, guess_[i]);
   }
   return true;

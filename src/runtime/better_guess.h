@@ -7,6 +7,10 @@
 // few it takes the affine combination whose change G(x) - x is smallest, and the next pass starts
 // there. What a step ends with is always the result of a pass, measured like any other. A pass in
 // which a body went only part of its way is not G: with it, all before are forgotten.
+//
+// The change is smallest at any balance, also at one from which passes lead away: a saddle of the
+// step's potential, where a thread would stand on edge. So passes between which the potential
+// curves down are left out, as methods of the BFGS kind leave out such pairs.
 #pragma once
 
 #include <array>
@@ -36,6 +40,7 @@ class BetterGuess {
     std::vector<char> rests;
   };
   Real product(const Pass& a, const Pass& b) const;
+  bool curve_down(const Pass& a, const Pass& b) const;
 
   const Bodies& bodies_;
   std::array<Pass, memory> passes_;  ///< the newest first

@@ -11,7 +11,8 @@ class Point : public Body {
   explicit Point(Index dofs) : x(VecX::Zero(dofs)) {}
   VecX x;
   Index dofs() const override { return x.size(); }
-  int width() const override { return 3; }
+  int width() const override { return kind; }
+  int kind = 3;
   void motion(VecX& out) const override { out = x; }
   void move_to(const StepContext&, const VecX& motion) override { x = motion; }
   bool part_way = false;
@@ -33,9 +34,10 @@ class Point : public Body {
 
 /// Passes of x -> T (x - end) + end with T = Q diag(factors) Q^-1, and how far from its end the
 /// last one leaves x.
-Real left_after(int passes, const VecX& factors, bool with_help) {
+Real left_after(int passes, const VecX& factors, bool with_help, int kind = 3) {
   const Index n = factors.size();
   Point point(n);
+  point.kind = kind;
   std::vector<Simulation::NamedBody> bodies{{"point", &point}};
   BetterGuess better(bodies);
   better.forget();
@@ -69,6 +71,14 @@ TEST(BetterGuess, EndsWhatSwingsOrGrows) {
   }
   EXPECT_LT(left_after(7, factors({-0.95, 0.8}), true), 1e-7);
   EXPECT_LT(left_after(12, factors({-1.1, 0.9, -0.6}), true), 1e-5);
+}
+
+// Passes of a thread that grow lead away from a saddle. That is a balance too, but none to go back
+// to.
+TEST(BetterGuess, DoesNotTakePassesBackToASaddle) {
+  for (const Real factor : {1.02, 1.3, 2.0})
+    EXPECT_GT(left_after(6, factors({factor}), true, 6), left_after(3, factors({factor}), false, 6))
+        << factor;
 }
 
 TEST(BetterGuess, LeavesGoodPassesAlone) {
