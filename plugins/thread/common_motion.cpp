@@ -31,20 +31,8 @@ void each_point(const Rod& rod, Real dt, const Add& add) {
       add(rod.element(e).mass / 2, rod.poses()[i].position, Vec3(rod.velocity().segment<3>(6 * i)));
 }
 
-}  // namespace
-
-void find_common_motion(const Rod& rod, const Dofs& force, Real dt, DofVector& velocity) {
-  velocity.setZero();
-  if (!rod.clamped().empty() || !pushes_itself(rod, force)) return;
-  Real whole = 0;
-  Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
-  each_point(rod, dt, [&](Real weight, const Vec3& at, const Vec3& v) {
-    whole += weight;
-    centre += weight * at;
-    shift += weight * v;
-  });
-  centre /= whole;
-  shift /= whole;
+/// The spin about the centre that has the moment of momentum of all points.
+Vec3 spin_about(const Rod& rod, Real dt, const Vec3& centre, const Vec3& shift) {
   Mat3 inertia = Mat3::Zero();
   Vec3 momentum = Vec3::Zero();
   each_point(rod, dt, [&](Real weight, const Vec3& at, const Vec3& v) {
@@ -62,6 +50,25 @@ void find_common_motion(const Rod& rod, const Dofs& force, Real dt, DofVector& v
     const Real about = eigen.eigenvalues()[k];
     if (about > on_a_line * eigen.eigenvalues()[2]) spin += axis.dot(momentum) / about * axis;
   }
+  return spin;
+}
+
+}  // namespace
+
+void find_common_motion(const Rod& rod, const Dofs& force, Real dt, DofVector& velocity) {
+  velocity.setZero();
+  if (!rod.clamped().empty() || !pushes_itself(rod, force)) return;
+  Real whole = 0;
+  Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
+  each_point(rod, dt, [&](Real weight, const Vec3& at, const Vec3& v) {
+    whole += weight;
+    centre += weight * at;
+    shift += weight * v;
+  });
+  centre /= whole;
+  shift /= whole;
+  // A loop that jaws hold by rows swings about the line between them: that is no motion of all.
+  const Vec3 spin = rod.is_held() ? spin_about(rod, dt, centre, shift) : Vec3(Vec3::Zero());
   // Hands that draw it do not carry it, and what is at rest but for rounding goes nowhere.
   constexpr Real aside = 0.1;
   Real squares = 0, off = 0;
