@@ -104,9 +104,10 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   if (!in_step_) {
     constexpr Real clearly = 1.1;
     find_common_motion(rod, last_force_, dt, common_);
+    change_ = rod.velocity();
     rod.velocity() -= common_;
     const Real energy = rod.kinetic_energy();
-    rod.velocity() += common_;
+    rod.velocity() = change_;
     speeds_up_ = energy > clearly * kinetic_energy_;
     kinetic_energy_ = energy;
     rod.mark_start();
