@@ -4,27 +4,21 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <numeric>
 #include <vector>
+
+#include "mesh_check.h"
 
 namespace sutura::tissue {
 namespace {
 
 /// Nodes that are connected, part by part.
 std::vector<std::vector<Index>> parts_of(const MeshData& mesh) {
-  std::vector<Index> parent(mesh.points.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const Tet& t : mesh.tets)
-    for (std::size_t k = 1; k < 4; ++k) parent[root(t[k])] = root(t[0]);
-  std::map<Index, std::vector<Index>> by_root;
-  for (std::size_t i = 0; i < parent.size(); ++i)
-    by_root[root(static_cast<Index>(i))].push_back(static_cast<Index>(i));
+  const std::vector<Index> first = first_of_part(mesh);
+  std::map<Index, std::vector<Index>> by_first;
+  for (std::size_t i = 0; i < first.size(); ++i)
+    by_first[first[i]].push_back(static_cast<Index>(i));
   std::vector<std::vector<Index>> parts;
-  for (auto& [_, nodes] : by_root) parts.push_back(std::move(nodes));
+  for (auto& [_, nodes] : by_first) parts.push_back(std::move(nodes));
   return parts;
 }
 

@@ -87,19 +87,9 @@ void count_duplicates(const MeshData& mesh, MeshReport& report) {
 }
 
 void count_parts(const MeshData& mesh, MeshReport& report) {
-  std::vector<Index> parent(mesh.points.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const Tet& t : mesh.tets)
-    for (std::size_t k = 1; k < 4; ++k) {
-      const Index a = root(t[0]), b = root(t[k]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  for (std::size_t i = 0; i < parent.size(); ++i)
-    if (parent[i] == static_cast<Index>(i)) ++report.parts;
+  const std::vector<Index> first = first_of_part(mesh);
+  for (std::size_t i = 0; i < first.size(); ++i)
+    if (first[i] == static_cast<Index>(i)) ++report.parts;
 }
 
 /// Each face belongs to one tet (boundary) or to two that lie on opposite sides of it.
@@ -170,6 +160,22 @@ void write_warnings(MeshReport& r, Index tets, bool assumed_metres) {
 }
 
 }  // namespace
+
+std::vector<Index> first_of_part(const MeshData& mesh) {
+  std::vector<Index> parent(mesh.points.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const Tet& t : mesh.tets)
+    for (std::size_t k = 1; k < 4; ++k) {
+      const Index a = root(t[0]), b = root(t[k]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = root(static_cast<Index>(i));
+  return parent;
+}
 
 CheckedMesh check_mesh(MeshData& mesh, bool assumed_metres) {
   CheckedMesh out;

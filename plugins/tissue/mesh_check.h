@@ -38,4 +38,7 @@ struct CheckedMesh {
 /// the boundary. `assumed_metres`: no unit was given, so guess whether millimetres were meant.
 CheckedMesh check_mesh(MeshData& mesh, bool assumed_metres);
 
+/// Of every node, the first node of the piece that it belongs to (see MeshReport::parts).
+std::vector<Index> first_of_part(const MeshData& mesh);
+
 }  // namespace sutura::tissue
