@@ -14,6 +14,7 @@ constexpr Real arc = clearance / 2;  // so far off its straight way it does not 
 constexpr Real dip = 1e-4;           // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;            // around the mouth of a channel, the channel holds the curve
 constexpr Real clear = 0.75;         // of the surface: as much may overlap where a touch begins
+constexpr Real sunk = 1;             // deeper in the surface than at any mouth
 constexpr Real point = 6;  // so long is a needle's point, which presses by a law of its own
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
@@ -37,31 +38,46 @@ void CurveSurface::look(bool standing) {
     s.high += mouth * curve_.radius(s.high);
   }
   for (Passage::Stretch& s : inside_) hand_over(s);
+  if (passage_ != nullptr) hand_over_ends();
   if (passage_ != nullptr && curve_.needle_length() > 0)
     inside_.push_back({0, point * curve_.radius(0)});
 }
 
+/// As the step begins, is a point of segment i nearer to the surface than `part` of its radius?
+bool CurveSurface::began_nearer(std::size_t i, Real part) const {
+  const CurveSegment& s = seen_.start[i];
+  Box box;
+  MovingCurve::add_to(box, s);
+  Real distance = s.radius;
+  surface_.near(box.grown(s.radius), [&](Index t) {
+    distance = std::min(distance, closest(s, t, surface_.at(t, 0)).distance);
+  });
+  return distance < part * s.radius;
+}
+
 /// What has just come out of a channel may still be in the surface. It stays with the channel until
-/// it is clear: a touch would bar its way from the start, or throw it out.
+/// it is clear: a touch would throw it out. And what is nearer than any touch lets it come cannot
+/// have come from outside: its way would be barred from the start.
 void CurveSurface::hand_over(Passage::Stretch& stretch) {
-  const auto is_clear = [&](std::size_t i) {
-    const CurveSegment& s = seen_.start[i];
-    Box box;
-    MovingCurve::add_to(box, s);
-    Real distance = s.radius;
-    surface_.near(box.grown(s.radius), [&](Index t) {
-      distance = std::min(distance, closest(s, t, surface_.at(t, 0)).distance);
-    });
-    return distance >= clear * s.radius;
-  };
   const std::size_t n = seen_.size();
   std::size_t first = 0, last = n;
   while (first < n && seen_.now[first].to <= stretch.low) ++first;
   while (last > first && seen_.now[last - 1].from >= stretch.high) --last;
-  for (int k = 0; k < most_handed_over && first > 0 && !is_clear(first - 1); ++k)
-    stretch.low = seen_.now[--first].from;
-  for (int k = 0; k < most_handed_over && last < n && !is_clear(last); ++k)
-    stretch.high = seen_.now[last++].to;
+  const auto stays = [this](std::size_t i, int handed_over) {
+    return began_nearer(i, handed_over < most_handed_over ? clear : clearance);
+  };
+  for (int k = 0; first > 0 && stays(first - 1, k); ++k) stretch.low = seen_.now[--first].from;
+  for (int k = 0; last < n && stays(last, k); ++k) stretch.high = seen_.now[last++].to;
+}
+
+/// Likewise an end that has come out with nothing of the curve left in the channel.
+void CurveSurface::hand_over_ends() {
+  const std::size_t n = seen_.size();
+  std::size_t first = 0, last = n;
+  while (first < n && began_nearer(first, clearance)) ++first;
+  while (last > first && began_nearer(last - 1, clearance)) --last;
+  if (first > 0) inside_.push_back({0, seen_.now[first - 1].to});
+  if (last < n) inside_.push_back({seen_.now[last].from, seen_.now[n - 1].to});
 }
 
 bool CurveSurface::is_inside(Real low, Real high) const {
@@ -257,6 +273,30 @@ void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
 
 Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
   return {seen_.segment_at(t.first_place).length() / 4, 1};
+}
+
+/// What has come out of its channel and gone into the tissue beside it: surfaces are not met from
+/// inside.
+Real CurveSurface::unseen_overlap() const {
+  if (passage_ == nullptr) return 0;
+  std::vector<Passage::Stretch> held;
+  passage_->inside(held);
+  const auto is_held = [&](const CurveSegment& s) {
+    return std::any_of(held.begin(), held.end(), [&](const Passage::Stretch& h) {
+      const Real more = mouth * s.radius;
+      return s.from < h.high + more && s.to > h.low - more;
+    });
+  };
+  Real deepest = 0;
+  for (const CurveSegment& s : seen_.now) {
+    if (s.cut || is_held(s)) continue;
+    for (const Vec3& p : {s.xa, s.xb}) {
+      if (!surface_.bounds(p)) continue;
+      const Real depth = surface_.boundary()->depth(p);
+      if (depth > sunk * s.radius) deepest = std::max(deepest, depth + s.radius);
+    }
+  }
+  return deepest;
 }
 
 Real CurveSurface::distance() const {

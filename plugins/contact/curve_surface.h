@@ -23,6 +23,7 @@ class CurveSurface : public Pair {
   void tell_force(const Touch& touch, const Vec3& force) override {
     surface_.boundary()->tell_force(-force, touch.at);
   }
+  Real unseen_overlap() const override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -36,7 +37,9 @@ class CurveSurface : public Pair {
     Real distance = 0;          ///< m
   };
   void look(bool standing);
+  bool began_nearer(std::size_t segment, Real part) const;
   void hand_over(Passage::Stretch& stretch);
+  void hand_over_ends();
   Real bulge(std::size_t segment) const;
   void doubt(std::size_t segment, const Box& box, Real motion, const Vec3& common);
   bool is_inside(Real low, Real high) const;

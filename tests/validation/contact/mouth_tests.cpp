@@ -107,5 +107,66 @@ TEST(Mouth, ANeedleThatMayNotPierceStaysOutside) {
   EXPECT_GT(run.number("/contact", "distance"), -1e-6);
 }
 
+/// A thread that is sewn through a slab, and a hand that draws it.
+TextRun sewn_through(const std::string& thread, const std::string& hand, const std::string& way,
+                     const std::string& dt) {
+  TextRun run("<plugin name='contact'/>" +
+                  block("skin", "-6 -6 -5 6 6 0", "6 6 4",
+                        "<Attach name='left' box='-6 -6 -5 -6 6 0 mm'/>"
+                        "<Attach name='right' box='6 -6 -5 6 6 0 mm'/>") +
+                  R"(<SutureThread name="suture" needle_length="0" thread_density="1100"
+      thread_diameter="0.2 mm" damping_stiffness="0.1 ms" damping_mass="10 1/s"
+      thread_length="30 mm" plane_normal="0 1 0" )" +
+                  thread + R"(/><SuturePath sewn="true" spacing="1 mm"/>
+    <PathFriction coefficient="0.2" pressure="10 kPa"/>
+    <Contact first="suture" second="/skin/tissue" friction="0.3"/><Track name="way" )" +
+                  way + "/><Grasper name='hand' track='way' " + hand + "/>",
+              "gravity='0 0 0' dt='" + dt + "'");
+  EXPECT_TRUE(run) << run.said();
+  return run;
+}
+
+// The end of a thread comes out of the tissue with its axis in the surface, nearer than a touch
+// lets anything come. Its way was barred then, at every step to come, and with it the whole scene.
+TEST(Mouth, AnEndThatIsDrawnOutIsFree) {
+  struct Case {
+    std::string thread, way, dt;
+    Real duration;
+  };
+  for (const Case& c :
+       {Case{"thread_young='2 GPa' bending_factor='0.05' thread_beams='60' tip='-6 0 12 mm' "
+             "tip_direction='-0.5 0 1' sampling_angle='0.3 rad' shortest_beam='0.2 mm'",
+             "times='0 2 s' positions='0 0 0 -3.96 -7.93 39 mm'", "20 ms", 2},
+        Case{"thread_young='0.5 GPa' thread_beams='100' tip='4.8 0 16 mm' "
+             "tip_direction='0.3 0 1'",
+             "times='0 0.2 s' positions='0 0 0 25.2 -21 22.9 mm'", "2.5 ms", 0.3}}) {
+    TextRun run = sewn_through(c.thread, "at='2 mm' rotation_stiffness='0'", c.way, c.dt);
+    ASSERT_TRUE(run);
+    while (run.simulation().time() < c.duration - 1e-9) {
+      const StepReport& step = run.simulation().step();
+      ASSERT_TRUE(step.solved && step.faults.empty()) << run.simulation().time();
+    }
+    EXPECT_EQ(run.number("/suture_path", "inserted_length"), 0);
+    EXPECT_GT(run.number("/contact", "distance"), 0);
+    // N: what is left is to brake the swing of 1 mg of thread, of some m/s^2.
+    EXPECT_LT(run.vector("/hand", "force").norm(), 1e-4);
+  }
+}
+
+// A channel is where the thread has been and ends where its end has been drawn to. Pushed back, the
+// end goes into the tissue beside all that holds it: never in silence.
+TEST(Mouth, AnEndThatIsPushedBackBesideItsChannelIsAFault) {
+  TextRun run = sewn_through(
+      "thread_young='2 GPa' bending_factor='0.3' thread_beams='60' "
+      "tip='0 0 12 mm' tip_direction='0 0 1'",
+      "at='27 mm'", "times='0 0.9 1 1.5 s' positions='0 0 0  0 0 16  0 0 16  0 0 13 mm'", "5 ms");
+  ASSERT_TRUE(run);
+  while (run.simulation().time() < 1 - 1e-9)
+    ASSERT_TRUE(run.simulation().step().faults.empty()) << run.simulation().time();
+  run.run(1.5);
+  ASSERT_EQ(run.simulation().report().faults.size(), 1u);
+  EXPECT_NE(run.simulation().report().faults[0].find("where no touch holds"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sutura::testing
