@@ -212,19 +212,21 @@ Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
 void step_stiffness(const ElementRest& r, const ElementState& s, Real n, ElementMatrix& k) {
   const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
 
-  // How the directors move against the chord, which rolls as its ends do on the average:
-  // d c_a = (spin_a - turn of the chord) x c_a, and so for b.
-  const Mat3 half_roll = s.e * s.e.transpose() / 2;
-  const Mat3 own = Mat3::Identity() - half_roll, chord = cross_matrix(s.e) / s.l;
+  // How the directors move against the chord, which rolls half as much as its ends do:
+  // d c_a = (spin_a - turn of the chord) x c_a, and so for b. Two motions of a bent beam cost
+  // nothing, and no convex form is zero for both: that the whole of it rolls about the chord, as
+  // where a loop swings, and that it rolls about its own axis, as strands of a knot do.
+  const Mat3 along = s.e * s.e.transpose(), share = along / 4;
+  const Mat3 own = Mat3::Identity() - share, chord = cross_matrix(s.e) / s.l;
   const Mat3 xa = cross_matrix(s.ca), xb = cross_matrix(s.cb);
-  const Mat3 av = xa * chord, aa = -xa * own, ab = xa * half_roll;
-  const Mat3 bv = xb * chord, ba = xb * half_roll, bb = -xb * own;
+  const Mat3 av = xa * chord, aa = -xa * own, ab = xa * share;
+  const Mat3 bv = xb * chord, ba = xb * share, bb = -xb * own;
   const auto bending = [c1, c2](const Mat3& ai, const Mat3& bi, const Mat3& aj, const Mat3& bj) {
     return Mat3(ai.transpose() * (c1 * aj + c2 * bj) + bi.transpose() * (c2 * aj + c1 * bj));
   };
   const Vec9 stretch = std::sqrt(r.axial * r.length) * strain_gradient(r, s);
   const Vec3 gv = stretch.head<3>(), ga = stretch.segment<3>(3), gb = stretch.tail<3>();
-  const Mat3 string = n / s.l * (own - half_roll);
+  const Mat3 string = n / s.l * (Mat3::Identity() - along);
   const Mat3 twist = r.torsion * s.twist_axis * s.twist_axis.transpose();
 
   k.vv = bending(av, bv, av, bv) + string + gv * gv.transpose();

@@ -23,7 +23,7 @@ constexpr Real negligible = 1e-6;
 /// Forces and bending moments below `rounding` (N, N m) count for nothing.
 Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const ElementRest& beam,
            const AtWork& rounding) {
-  constexpr Real twist = 1;  // rad in a beam: where less is at work, roll is judged beside it
+  constexpr Real twist = 0.03;  // rad in a beam: where less is at work, roll is judged beside it
   AtWork missing;
   missing.force = std::max(Real(0), r.head<3>().norm() - rounding.force);
   missing.add_moment(r.tail<3>(), tangent);

@@ -172,8 +172,9 @@ TEST_P(Element, StepStiffnessHasAllOfTheStretch) {
 TEST(TautElement, ResistsARollThatTurnsItsTiltsApart) {
   // Both ends tilted by theta to the same side of a chord under tension N. The bow's energy has the
   // term -N L/30 theta^2 cos(roll) for a roll of one end about the chord: N L/30 theta^2 is the
-  // exact stiffness. The convex one takes the roll for two tilts aside by theta/2 each, of opposite
-  // sign: (c1 - c2) theta^2/2 = 2.5 times that. What else resists is a hundredth of it here.
+  // exact stiffness. In the convex one the chord takes a quarter of the roll, so it is a tilt aside
+  // by 3/4 theta at one end and by -1/4 theta at the other: (10 c1 - 6 c2) theta^2/16 = 2.875 times
+  // that. What else resists is a hundredth of it here.
   const ElementRest rest = BentBeam::make_rest(false);
   const Real theta = 0.1;
   Pose a, b;
@@ -188,7 +189,30 @@ TEST(TautElement, ResistsARollThatTurnsItsTiltsApart) {
   hessian(rest, s, h);
   const Real exact = s.tension * rest.length / 30 * theta * theta;
   EXPECT_NEAR(h(3, 3), exact, 0.05 * exact);
-  EXPECT_NEAR(k.aa(0, 0), 2.5 * exact, 0.05 * 2.5 * exact);
+  EXPECT_NEAR(k.aa(0, 0), 2.875 * exact, 0.05 * 2.875 * exact);
+}
+
+TEST(BentElement, RollsAgainstAQuarterOfWhatItsTiltsCost) {
+  // Tilted by theta and -theta: a bow. To roll all of it about the chord costs nothing, nor to roll
+  // each end about its own axis. The convex stiffness takes half of the roll away from both, which
+  // leaves each of them a quarter of what tilts of theta aside would cost, 2 (c1 - c2) theta^2.
+  const ElementRest rest = BentBeam::make_rest(false);
+  const Real theta = 0.1;
+  Pose a, b;
+  b.position = Vec3(rest.length, 0, 0);
+  a.rotation = Quat(Eigen::AngleAxis<Real>(theta, Vec3::UnitZ()));
+  b.rotation = Quat(Eigen::AngleAxis<Real>(-theta, Vec3::UnitZ()));
+  ElementState s;
+  evaluate(rest, a, b, 0, s);
+  s.tension = 0;
+  ElementMatrix k;
+  step_stiffness(rest, s, 0, k);
+  const auto energy = [&k](const Vec3& first, const Vec3& second) {
+    return first.dot(k.aa * first) + 2 * first.dot(k.ab * second) + second.dot(k.bb * second);
+  };
+  const Real quarter = (rest.bend_1 - rest.bend_2) * theta * theta / 2;
+  EXPECT_NEAR(energy(s.e, s.e), quarter, 0.05 * quarter);
+  EXPECT_NEAR(energy(s.ca, s.cb), quarter, 0.05 * quarter);
 }
 
 INSTANTIATE_TEST_SUITE_P(States, Element,
