@@ -18,6 +18,8 @@ constexpr Real sections[] = {0.21132486540518712, 0.78867513459481288};
 // triangle cannot bear the whole of the grip.
 constexpr Real last_rest = 0.25;
 
+constexpr int links = 32;  // of the line that says where a strand meets others
+
 /// Of the section at s, across the jaws: from its centre to its surface (m).
 Vec3 arm_across(const CurveBody& curve, Real s, const Vec3& closing, Configuration c) {
   const Vec3 tangent = curve.tangent(s, c);
@@ -65,6 +67,46 @@ void Forceps::take() {
       take_strand(target, s);
   }
   for (Piece& piece : pieces_) piece.share = 1 / static_cast<Real>(pieces_.size());
+  find_flat();
+}
+
+void Forceps::find_flat() {
+  const Pose frame = placed(Configuration::start);
+  std::vector<Strand> strands;
+  Real sum = 0, count = 0;
+  bool tissue = false;
+  for (const Piece& piece : pieces_) {
+    const SegmentedCurve* curve = targets_[static_cast<std::size_t>(piece.target)].curve;
+    if (curve == nullptr) {
+      tissue = true;
+      continue;
+    }
+    for (const Point& p : piece.points) {
+      sum += p.height;
+      ++count;
+    }
+    const Real low = piece.points.front().s, high = piece.points.back().s;
+    // From section to section and on to the ends of the stretch; what is just outside goes along.
+    const Real radius = std::max(curve->radius(low), curve->radius(high));
+    const Real beyond = sections[0] / (sections[1] - sections[0]);
+    const Real more = beyond * (high - low) + 2 * radius;
+    Strand& strand = strands.emplace_back();
+    strand.curve = piece.target;
+    strand.radius = radius;
+    strand.low = std::max(low - more, 0.);
+    strand.high = std::min(high + more, curve->length());
+    for (int k = 0; k <= links; ++k) {
+      const Real s = strand.low + Real(k) / links * (strand.high - strand.low);
+      strand.line.push_back(seen_from(frame, curve->point(s, Configuration::start)));
+    }
+  }
+  // Tissue is held where it was taken, and is in the way of any strand.
+  flat_ = tissue ? 1 : flattest(strands);
+  middle_ = tissue || count == 0 ? 0 : sum / count;
+}
+
+Real Forceps::drawn(Real height, Real open) const {
+  return open * height + std::max(flat_ - open, 0.) * (height - middle_);
 }
 
 void Forceps::take_strand(Index target, const JawSpace::Stretch& stretch) {
@@ -116,7 +158,7 @@ void Forceps::begin_step(const Target& target, Real open, Point& p) const {
   if (target.curve != nullptr) {
     const Vec3 closing = frame.rotation * Vec3::UnitZ();
     p.start_arm = p.side * arm_across(*target.curve, p.s, closing, Configuration::start);
-    height = open * p.height + p.start_arm.dot(closing);
+    height = drawn(p.height, open) + p.start_arm.dot(closing);
     at = target.curve->point(p.s, Configuration::start) + p.start_arm;
   } else {
     at = target.solid->position(p.at, Configuration::start);
@@ -256,6 +298,8 @@ void Forceps::archive(Archive& a) {
   a("next_id", next_id_);
   a("sliding", sliding_);
   a("applied", applied_);
+  a("flat", flat_);
+  a("middle", middle_);
   a.list("pieces", pieces_, [](Archive& each, Piece& piece) {
     each("target", piece.target);
     each("place", piece.place);
@@ -313,6 +357,11 @@ void Forceps::describe(Describe<Forceps>& d) {
       "where it was taken, seen from the jaws. Along the jaws its force is at most the point's "
       "share of the strength: beyond, the material slides, with that force against it. Across the "
       "jaws it has no limit, as they are hard.\n\n"
+      "Jaws with a time of 'closing' bring all strands to their middle at once, each in "
+      "proportion to its height, until two are about to touch, or one that turns back between them "
+      "is about to touch itself. From there only the mean of their heights goes on to the middle: "
+      "they end on each other or side by side, and nothing presses them together. Tissue that is "
+      "held keeps the jaws apart: then all stay where they were taken.\n\n"
       "A strand that slides is held where it is between the jaws, by the material that is there "
       "now, with its whole share until its end comes out. Tissue is held at the material that was "
       "taken; what has slipped out is free, and the rest has its share, until less than a quarter "
@@ -329,8 +378,8 @@ void Forceps::describe(Describe<Forceps>& d) {
   d.attribute("stiffness", &Forceps::stiffness_, "N/m", between(1e-15, 1e12),
               "Of the grip on all that they hold, up to that force.");
   describe_times(d,
-                 "Time in which the jaws close and bring the strands between them to their middle; "
-                 "0: these stay where they were taken.");
+                 "Time in which the jaws close and bring the strands between them to their middle, "
+                 "until these lie on each other; 0: they stay where they were taken.");
   d.output("force", "N", "Of the jaws on what they hold, at the end of the last step.",
            [](const Forceps& f) -> Vec3 { return f.applied_.force; });
   d.output("moment", "N m", "Likewise, about their centre.",

@@ -76,7 +76,11 @@ class Forceps : public Component,
   /// Strands move on through the jaws: other material is between them now.
   void follow_strands();
   void drop_what_is_out();
+  /// How flat closed jaws may press what they have taken without a force between strands.
+  void find_flat();
   void begin_step(const Target& target, Real open, Point& p) const;
+  /// Where a strand that was taken at `height` is brought while `open` of its way is left.
+  Real drawn(Real height, Real open) const;
   Vec3 position(const Target& target, const Point& p) const;
 
   Link<Body> body_;
@@ -87,6 +91,8 @@ class Forceps : public Component,
   std::vector<Target> targets_;
   bool take_ = false;  ///< they have closed: what is between them is to be taken
   std::vector<Piece> pieces_;
+  Real flat_ = 0;    ///< what closed jaws leave of the heights of strands over their mean
+  Real middle_ = 0;  ///< mean of these heights when they were taken (m)
   std::uint64_t next_id_ = 0;
   bool sliding_ = false;
   Wrench applied_;  ///< on what is held, about the centre

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sutura/geometry/box_tree.h"
 
 namespace sutura::tools {
 namespace {
+
+// Strands stop when they are so far apart, as a part of the distance at which they touch: a line of
+// points is not quite where the curve is, and hard jaws make a force of a micron.
+constexpr Real apart = 1.01;
 
 /// A corner of a polygon in a triangle: where it is, and its weights there.
 struct Corner {
@@ -38,7 +43,49 @@ struct Polygon {
   }
 };
 
+/// Whether two links of the lines are neighbours, which do not count as touching. Links of one
+/// strand are, unless it turns back between them: one that only lies askew may be pressed flat.
+bool are_neighbours(const Strand& a, std::size_t i, const Strand& b, std::size_t j) {
+  if (a.curve != b.curve) return false;
+  const auto middle = [](const Strand& s, std::size_t k) {
+    return s.low + (Real(k) + 0.5) / Real(s.line.size() - 1) * (s.high - s.low);
+  };
+  if (std::abs(middle(a, i) - middle(b, j)) < std::numbers::pi * a.radius) return true;
+  return &a == &b && (a.line[i + 1] - a.line[i]).dot(a.line[j + 1] - a.line[j]) >= 0;
+}
+
+/// With the heights of all strands times `flat`.
+bool touch(const Strand& a, const Strand& b, Real flat) {
+  const Vec3 press(1, 1, flat);
+  const auto link = [&](const Strand& s, std::size_t i) {
+    return Segment{press.cwiseProduct(s.line[i]), press.cwiseProduct(s.line[i + 1])};
+  };
+  const Real least = apart * (a.radius + b.radius);
+  for (std::size_t i = 0; i + 1 < a.line.size(); ++i)
+    for (std::size_t j = &a == &b ? i : 0; j + 1 < b.line.size(); ++j)
+      if (!are_neighbours(a, i, b, j) &&
+          closest_points(link(a, i), link(b, j)).squared_distance < least * least)
+        return true;
+  return false;
+}
+
 }  // namespace
+
+Real flattest(const std::vector<Strand>& strands) {
+  Real flat = 0;
+  for (std::size_t i = 0; i < strands.size(); ++i)
+    for (std::size_t j = i; j < strands.size(); ++j) {
+      // Pressed flatter, points only come nearer: the flattest is found by halving.
+      if (!touch(strands[i], strands[j], flat)) continue;
+      Real high = 1;
+      for (int k = 0; k < 30; ++k) {
+        const Real middle = (flat + high) / 2;
+        (touch(strands[i], strands[j], middle) ? flat : high) = middle;
+      }
+      flat = high;
+    }
+  return flat;
+}
 
 void JawSpace::stretches(const std::vector<CurveSegment>& curve, std::vector<Stretch>& out) const {
   out.clear();

@@ -32,4 +32,15 @@ struct JawSpace {
   Part part(const Corners& triangle) const;
 };
 
+/// A strand between the jaws, as a line of points at equal steps along it.
+struct Strand {
+  Index curve = 0;         ///< of which it is a part
+  Real radius = 0;         ///< m
+  Real low = 0, high = 0;  ///< abscissae of its ends (m)
+  std::vector<Vec3> line;
+};
+/// How flat the strands can be pressed together along z before two of them meet, or one that has
+/// turned back meets itself: a part of their heights. 0: nothing is in the way, 1: they touch now.
+Real flattest(const std::vector<Strand>& strands);
+
 }  // namespace sutura::tools

@@ -2,6 +2,7 @@
 // balance.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "scenes/text_run.h"
@@ -61,6 +62,91 @@ TEST(Forceps, BringWhatTheyTakeToTheirMiddle) {
   EXPECT_NEAR(drawn[3].z(), 0.6e-3, off);
   for (const Vec3& p : drawn) EXPECT_LT(std::abs(p.y()), off);  // along the jaws nothing draws
   for (const Vec3& p : left) EXPECT_LT(p.tail<2>().norm(), off);
+}
+
+// Two threads, b under a and turned against it, touch where they are pressed together.
+std::string two_threads(Real degrees, const std::string& more = "") {
+  const auto one = [&](const std::string& name, Real z, Real turn) {
+    const std::string x = std::to_string(std::cos(turn)), y = std::to_string(std::sin(turn));
+    return "<SutureThread name='" + name +
+           "' needle_length='0' thread='4-0 polypropylene' thread_diameter='0.2 mm' "
+           "thread_length='60 mm' thread_beams='30' damping_stiffness='0.1 ms' tip='" +
+           std::to_string(-30 * std::cos(turn)) + " " + std::to_string(-30 * std::sin(turn)) + " " +
+           std::to_string(z) + " mm' tip_direction='-" + x + " -" + y + " 0' " + more + "/>";
+  };
+  return "<plugin name='contact'/>" + one("a", 0.7, 0) +
+         one("b", -0.3, degrees * std::numbers::pi / 180) +
+         "<Contact first='a' second='b' friction='0.3'/>"
+         "<Forceps size='2 2 2 mm' strength='2 N' closing='0.1 s'/>";
+}
+
+// Strands between closed jaws lie on each other, about their middle, and nothing squeezes them:
+// what is there of force between them is what a step may leave.
+class Strands : public ::testing::TestWithParam<int> {};
+
+TEST_P(Strands, AreLaidOnEachOtherWithoutForce) {
+  TextRun run(two_threads(GetParam()));
+  ASSERT_TRUE(run) << run.said();
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(run.simulation().step().solved) << i;
+    EXPECT_EQ(run.number("/forceps", "pieces"), 2);
+    EXPECT_LT(run.number("/contact", "largest_force"), 1e-3) << i;
+  }
+  const auto height = [&](const char* name) {
+    return run.component<SegmentedCurve>(name).point(30e-3, Configuration::current).z();
+  };
+  EXPECT_NEAR(height("/a") - height("/b"), 0.202e-3, 1e-6);
+  EXPECT_NEAR(height("/a") + height("/b"), 0, 1e-6);
+}
+
+// So the one is drawn out against its share of the strength, and the other does not move: the rest
+// is momentum.
+TEST_P(Strands, AreDrawnOutOneByOne) {
+  TextRun run(two_threads(GetParam(), "thread_density='910000'") +
+              "<ThreadLoad thread='a' at='60 mm' force='1.001 0 0 N' times='0.1 0.2 s' "
+              "factors='0 1'/>");
+  ASSERT_TRUE(run) << run.said();
+  run.run(0.3);
+  constexpr Real dt = 0.01;
+  const auto momentum = [&](const char* name) { return run.vector(name, "momentum").x(); };
+  Real a = momentum("/a");
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(run.simulation().step().solved);
+    EXPECT_NEAR(run.vector("/forceps", "force").x(), -1, 1e-3);
+    EXPECT_NEAR(momentum("/a") - a, dt * 0.001, 0.01 * dt * 0.001);
+    EXPECT_LT(std::abs(momentum("/b")), dt * 1e-5);
+    a = momentum("/a");
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Angles, Strands, ::testing::Values(0, 20, 90),
+                         [](const auto& info) { return std::to_string(info.param); });
+
+// Saved while they close, they go on to the same bits.
+TEST(Forceps, CloseOnAsIfTheyHadNotBeenSaved) {
+  TextRun run(two_threads(20)), other(two_threads(20));
+  ASSERT_TRUE(run && other) << run.said();
+  run.run(0.05);
+  ASSERT_EQ(other.simulation().restore(run.simulation().save()), "");
+  run.run(0.2);
+  other.run(0.2);
+  EXPECT_EQ(run.simulation().save(), other.simulation().save());
+}
+
+// Tissue that is held keeps the jaws apart: nothing is drawn into it.
+TEST(Forceps, LeaveAThreadOnTissueWhereItIs) {
+  TextRun run(
+      "<plugin name='contact'/><BlockMesh box='-5 -5 -4  5 5 0 mm' cells='5 5 2'/>"
+      "<Tissue name='tissue' young='50 kPa' poisson='0.3' damping_stiffness='10 ms'/>"
+      "<Attach box='-5 -5 -4  5 5 -4 mm'/><Contact first='thread' second='tissue'/>" +
+      thread.substr(0, thread.find("tip=")) +
+      "tip='-30 0 0.1 mm' tip_direction='-1 0 0'/>"
+      "<Forceps centre='0 0 -0.5 mm' size='2 2 2 mm' closing='0.1 s'/>");
+  ASSERT_TRUE(run) << run.said();
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(run.simulation().step().solved) << i;
+    EXPECT_LT(run.number("/contact", "largest_force"), 1e-3) << i;
+  }
+  EXPECT_EQ(run.number("/forceps", "pieces"), 2);
 }
 
 // Whatever the direction in which they close, across the thread.

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 namespace sutura::tools {
@@ -74,6 +76,45 @@ TEST(JawSpace, StretchesBeginAndEndAtItsSides) {
   EXPECT_NEAR(found[0].high, 2.1, rounding);
   space.stretches(polyline({{-2, 0.6, 0}, {2, 0.6, 0}}), found);
   EXPECT_TRUE(found.empty());
+}
+
+/// A line along `way`, its middle there.
+Strand straight(Index curve, const Vec3& middle, const Vec3& way) {
+  Strand out{.curve = curve, .radius = 0.1, .high = 2 * way.norm(), .line = {}};
+  for (int k = -4; k <= 4; ++k) out.line.push_back(middle + k / 4. * way);
+  return out;
+}
+
+// At 0.01 over their thickness, 0.2: what is left of their heights is known where they meet.
+TEST(JawSpace, StrandsArePressedUntilTheyMeet) {
+  const Vec3 x(1, 0, 0), y(0, 1, 0);
+  const auto flat = [&](const Vec3& middle, const Vec3& way) {
+    return flattest({straight(0, {0, 0, 0.5}, x), straight(1, middle, way)});
+  };
+  constexpr Real near = 1e-8;
+  EXPECT_NEAR(flat({0, 0, -0.5}, x), 0.202, near);
+  EXPECT_NEAR(flat({0.3, 0.2, -0.5}, y), 0.202, near);
+  EXPECT_NEAR(flat({0, 0.1, -0.5}, x), std::sqrt(0.202 * 0.202 - 0.01), near);
+  EXPECT_NEAR(flat({0.3, 0, -0.5}, {0.1, 1, 0.8}), 0.202, 0.01);  // askew
+  EXPECT_EQ(flat({0, 0.203, -0.5}, x), 0);                        // they lie beside each other
+  EXPECT_EQ(flat({0, 0.1, 0.55}, x), 1);                          // they touch
+  // The two that meet first.
+  EXPECT_NEAR(flattest({straight(0, {0, 0, 0.5}, x), straight(1, {0, 0, -0.5}, x),
+                        straight(2, {0, 0, 0.1}, y)}),
+              0.202 / 0.4, near);
+}
+
+TEST(JawSpace, AStrandIsInItsOwnWayWhereItTurnsBack) {
+  EXPECT_EQ(flattest({straight(0, Vec3::Zero(), {0.3, 0, 1})}), 0);
+  Strand bend{.radius = 0.1, .high = 2 + std::numbers::pi / 2, .line = {}};
+  for (int k = 0; k <= 64; ++k) {
+    const Real s = k / 64. * bend.high, angle = std::clamp((s - 1) / 0.5, 0., std::numbers::pi);
+    const Real leg = std::abs(s - bend.high / 2) - std::numbers::pi / 4;
+    bend.line.push_back({0.5 * std::sin(angle) - std::max(leg, 0.), 0, 0.5 * std::cos(angle)});
+  }
+  // Its legs meet at 0.202, its bend earlier where it has turned by a right angle.
+  EXPECT_GT(flattest({bend}), 0.202);
+  EXPECT_LT(flattest({bend}), 0.202 * std::sqrt(2) * 1.1);
 }
 
 }  // namespace
