@@ -32,7 +32,8 @@ void PathFriction::describe(Describe<PathFriction>& d) {
   d.theory(
       "Resistance of a length l of channel on a thread of diameter d (paper, section 4.5): R = mu "
       "(l pi d p + share N) with "
-      "N the force across the thread at the sample; needle and thread have a mu each. The pressure "
+      "N the force across the thread, spread along it over two edges of the mesh to either side; "
+      "needle and thread have a mu each. The pressure "
       "is a value, or that which opens a slit in "
       "the tissue to the girth of what is inside: a slit of length pi d / 2 under p opens by 4 (1 "
       "- nu^2) p (pi d / 4) / E at its middle "

@@ -1,6 +1,7 @@
 #include "suture_path.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "puncture_law.h"
@@ -19,8 +20,24 @@ constexpr Real too_close = 0.3;  // to the tip: rows that would repeat those of 
 constexpr Real shortest = 0.1;   // length that a sample stands for at least, so that its wall is
                                  // never softer than ten times the others
 
+// In edges of the element at a sample: so far along the thread, either way, its force is spread.
+constexpr Real spread_over = 2;
+
 // Sine of the angle from which on a needle points straight at a surface: its tip has no way along.
 constexpr Real straight_at = 1e-3;
+
+/// Mean length of the edges of the element at this point of the tissue (m).
+Real edge_length(const SolidBody& tissue, const EmbeddedPoint& at) {
+  std::array<Vec3, 4> corner;
+  Real sum = 0;
+  for (std::size_t i = 0; i < corner.size(); ++i) {
+    EmbeddedPoint only{.element = at.element, .weights = {}};
+    only.weights[i] = 1;
+    corner[i] = tissue.position(only, Configuration::rest);
+    for (std::size_t k = 0; k < i; ++k) sum += (corner[i] - corner[k]).norm();
+  }
+  return sum / 6;
+}
 
 }  // namespace
 
@@ -93,6 +110,7 @@ void SuturePath::initialise(Setup& setup) {
   channel_.emplace(*thread_, *tissue_, spacing_);
   crossings_.reserve(256);
   blocks_.reserve(256);
+  pressing_.reserve(256);
   if (sewn_) sew(setup);
 }
 
@@ -268,15 +286,45 @@ void SuturePath::cut(const SolvedBlocks& solved) {
   channel_->drop_cut_out();
 }
 
-void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
-  lateral_force_ = 0;
+/// What each sample presses is not what the thread presses there. A channel that a needle has made
+/// in a mesh has bends of a few degrees where it goes from element to element. A thread that is
+/// stiff against bending bears on them, this way and that way, and the more the closer the samples
+/// are; the elements do not feel it. Over some elements such forces cancel, and what remains is the
+/// load that turns the thread. It turns with the thread as it is spread.
+void SuturePath::spread(const SolvedBlocks& solved) {
+  pressing_.assign(sample_crossings_, Vec3::Zero());
   for (const LateralBlock& b : blocks_) {
-    const Real force = solved.lambda(b.block).norm();
-    lateral_force_ = std::max(lateral_force_, force);
-    if (b.crossing < sample_crossings_) {
-      channel_->sample(crossings_[b.crossing].sample).lateral_force = force;
+    const Crossing& c = crossings_[b.crossing];
+    const Vec3 force = c.axes.bottomRows<2>().transpose() * solved.lambda(b.block);
+    const bool is_end = b.crossing == sample_crossings_;
+    const std::size_t at = is_end ? sample_crossings_ - 1 : b.crossing;
+    // Not beyond what of the thread is in this bite.
+    std::size_t first = at, last = at;
+    while (channel_->is_joined(first)) --first;
+    while (last + 1 < sample_crossings_ && channel_->is_joined(last + 1)) ++last;
+    const PathSample& sample = channel_->samples()[at];
+    const Real s = is_end ? 0 : sample.abscissa;
+    const Real reach = spread_over * edge_length(*tissue_, is_end ? channel_->end() : sample.at);
+    const Real low = std::max(s - reach, crossings_[last].share.low);
+    const Real high = std::min(s + reach, crossings_[first].share.high);
+    if (!(high > low)) pressing_[at] += force;
+    for (std::size_t i = first; i <= last; ++i) {
+      const Crossing& other = crossings_[i];
+      const Real common = std::min(high, other.share.high) - std::max(low, other.share.low);
+      if (!(common > 0)) continue;
+      const Vec3 from = c.axes.row(0), to = other.axes.row(0);
+      pressing_[i] += common / (high - low) * (Quat::FromTwoVectors(from, to) * force);
     }
   }
+  for (std::size_t i = 0; i < sample_crossings_; ++i)
+    channel_->sample(i).lateral_force = pressing_[i].norm();
+}
+
+void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
+  lateral_force_ = 0;
+  for (const LateralBlock& b : blocks_)
+    lateral_force_ = std::max(lateral_force_, solved.lambda(b.block).norm());
+  spread(solved);
   if (strength_ > 0) cut(solved);
   channel_->update(tip_blocked(), way_along_, tip_let_out_);
   lateral_gap_ = 0;

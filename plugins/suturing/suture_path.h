@@ -91,8 +91,10 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
   Real stray() const;
+  void spread(const SolvedBlocks& solved);
   void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;
+  std::vector<Vec3> pressing_;  ///< per sample, of the step that is over (N)
   std::optional<Block> blocked_by_;
   bool tip_let_out_ = false;
   Vec3 way_along_ = Vec3::Zero();  ///< way_along_block at the last guess

@@ -1,0 +1,79 @@
+// The friction of a thread that is drawn through the channel which its needle has made, against the
+// capstan: from the directions of the thread alone, without any force that a wall has measured.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/text_run.h"
+#include "sutura/body.h"
+
+namespace sutura::testing {
+namespace {
+
+constexpr Real mu = 0.25, pressure = 15e3, diameter = 0.12e-3;
+
+/// A curved needle is turned through a block and drawn away, the thread after it. The thread is as
+/// stiff against bending as nylon is.
+std::string stitch(const std::string& spacing) {
+  return "<node name='skin'><BlockMesh box='-10 -4 -8  10 4 0 mm' cells='10 4 4'/> "
+         "<Tissue young='60 kPa' poisson='0.42' damping_stiffness='10 ms'/> "
+         "<Attach box='-10 -4 -8  10 4 -8 mm'/></node>"
+         "<SutureThread name='s' needle_length='17 mm' needle_angle='135 deg' "
+         "needle_diameter='0.45 mm' needle_beams='12' thread_diameter='0.12 mm' "
+         "thread_young='2.5 GPa' thread_length='60 mm' thread_beams='100' "
+         "tip='-6.37 0 0.613 mm' tip_direction='0.469 0 -0.883' plane_normal='0 -1 0' "
+         "thread_direction='-1 0.15 1' thread_bend_radius='10 mm' damping_mass='3 1/s'/>"
+         "<Track name='way' about='s' easing='smooth' times='0.1 0.7 0.75 1.2 1.25 2 s' "
+         "turns='0 124 124 235 235 235 deg' "
+         "positions='0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 25 mm'/>"
+         "<Grasper at='14.5 mm' track='way' release='0.73 s'/> "
+         "<Grasper name='puller' at='1.2 mm' track='way' grasp='0.73 s'/>"
+         "<SuturePath name='path' spacing='" +
+         spacing +
+         "'/> <Cutting threshold='0.08 N'/> <PathFriction coefficient='0.25' pressure='15 kPa' "
+         "lateral_share='1'/> <Puncture threshold='0.2 N' exit_threshold='0.15 N' friction='0.2'/>";
+}
+
+/// dT = f ds + mu T dtheta from the loose end to the hand, which pulls along `pull`.
+Real capstan(const CurveBody& thread, Real high, Real low, const Vec3& pull) {
+  constexpr Real f = mu * pressure * std::numbers::pi * diameter;
+  constexpr int parts = 500;
+  const auto direction = [&](int i) -> Vec3 {
+    if (i > parts) return pull.normalized();
+    return -thread.tangent(high + (low - high) * i / parts, Configuration::current);
+  };
+  Real tension = 0;
+  for (int i = 0; i <= parts; ++i) {
+    if (i < parts) tension += f * (high - low) / parts;
+    tension *= std::exp(mu * std::acos(std::clamp(direction(i).dot(direction(i + 1)), -1., 1.)));
+  }
+  return tension;
+}
+
+Real pull_of(const std::string& spacing, const std::string& dt) {
+  TextRun run(stitch(spacing), "dt='" + dt + "' gravity='0 0 0'");
+  EXPECT_TRUE(run) << run.said();
+  if (!run) return 0;
+  run.run(1.85);
+  EXPECT_EQ(run.number("/puncture", "punctures"), 2);
+  const Real high = run.number("/path", "entry_abscissa");
+  const Real low = high - run.number("/path", "inserted_length");
+  EXPECT_GT(low, 20e-3) << "the needle has left the tissue";
+  const Vec3 hand = run.vector("/puller", "force");
+  const Real expected = capstan(run.component<CurveBody>("/s"), high, low, hand);
+  EXPECT_NEAR(hand.norm(), expected, 0.05 * expected) << "spacing " << spacing << ", step " << dt;
+  return hand.norm();
+}
+
+TEST(DrawnThread, ACapstanAtEverySpacingAndStep) {
+  const Real pull = pull_of("1 mm", "5 ms");
+  // Without the turn of 150 degrees: the pressure alone, to which it adds a half.
+  EXPECT_GT(pull, 1.4 * mu * pressure * std::numbers::pi * diameter * 13.5e-3);
+  for (const std::string spacing : {"0.5 mm", "0.25 mm"})
+    EXPECT_NEAR(pull_of(spacing, "5 ms"), pull, 0.05 * pull) << "spacing " << spacing;
+  for (const std::string dt : {"10 ms", "2 ms"})
+    EXPECT_NEAR(pull_of("1 mm", dt), pull, 0.05 * pull) << "step " << dt;
+}
+
+}  // namespace
+}  // namespace sutura::testing
