@@ -33,6 +33,7 @@ void CurveSurface::look(bool standing) {
   if (const RigidTool* tool = surface_.boundary()->tool()) way_.look(*tool);
   inside_.clear();
   if (passage_ != nullptr) passage_->inside(inside_);
+  held_ = inside_;
   for (Passage::Stretch& s : inside_) {
     s.low -= mouth * curve_.radius(s.low);
     s.high += mouth * curve_.radius(s.high);
@@ -279,10 +280,8 @@ Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
 /// inside.
 Real CurveSurface::unseen_overlap() const {
   if (passage_ == nullptr) return 0;
-  std::vector<Passage::Stretch> held;
-  passage_->inside(held);
   const auto is_held = [&](const CurveSegment& s) {
-    return std::any_of(held.begin(), held.end(), [&](const Passage::Stretch& h) {
+    return std::any_of(held_.begin(), held_.end(), [&](const Passage::Stretch& h) {
       const Real more = mouth * s.radius;
       return s.from < h.high + more && s.to > h.low - more;
     });

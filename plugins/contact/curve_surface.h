@@ -55,8 +55,9 @@ class CurveSurface : public Pair {
   ToolWay way_;  ///< of a tool
   const Passage* passage_;
   MovingCurve seen_;
-  std::vector<Passage::Stretch> inside_;
-  std::vector<Index> around_;  ///< triangles that a segment may meet
+  std::vector<Passage::Stretch> held_;    ///< in the channel
+  std::vector<Passage::Stretch> inside_;  ///< and what is not yet clear of it
+  std::vector<Index> around_;             ///< triangles that a segment may meet
   std::vector<Near> sides_;
 };
 

@@ -190,10 +190,10 @@ void add_beam(constant const Problem* p, global State* s, global Work* w, int n)
   for (int i = 0; i < 9; ++i) {
     const int k = i % 3;
     const double3 axis = (double3)(k == 0, k == 1, k == 2);
-    const double3 share = dot(axis, e) / 4 * e;
+    const double3 half_roll = dot(axis, e) / 2 * e;
     const double3 turn = cross(e, axis) / l;
-    const double3 against_a = i < 3 ? turn : i < 6 ? share - axis : share;
-    const double3 against_b = i < 3 ? turn : i < 6 ? share : share - axis;
+    const double3 against_a = i < 3 ? turn : i < 6 ? half_roll - axis : half_roll;
+    const double3 against_b = i < 3 ? turn : i < 6 ? half_roll : half_roll - axis;
     move_a[i] = cross(ca, against_a);
     move_b[i] = cross(cb, against_b);
     stretch[i] = dot(axis, i < 3 ? stretch_v : i < 6 ? stretch_a : stretch_b);

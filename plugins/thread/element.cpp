@@ -209,14 +209,13 @@ Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
   return g;
 }
 
-void step_stiffness(const ElementRest& r, const ElementState& s, Real n, ElementMatrix& k) {
+void step_stiffness(const ElementRest& r, const ElementState& s, Real n, Real chord_roll,
+                    ElementMatrix& k) {
   const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
 
-  // How the directors move against the chord, which rolls half as much as its ends do:
-  // d c_a = (spin_a - turn of the chord) x c_a, and so for b. Two motions of a bent beam cost
-  // nothing, and no convex form is zero for both: that the whole of it rolls about the chord, as
-  // where a loop swings, and that it rolls about its own axis, as strands of a knot do.
-  const Mat3 along = s.e * s.e.transpose(), share = along / 4;
+  // How the directors move against the chord:
+  // d c_a = (spin_a - turn of the chord) x c_a, and so for b.
+  const Mat3 along = s.e * s.e.transpose(), share = chord_roll / 2 * along;
   const Mat3 own = Mat3::Identity() - share, chord = cross_matrix(s.e) / s.l;
   const Mat3 xa = cross_matrix(s.ca), xb = cross_matrix(s.cb);
   const Mat3 av = xa * chord, aa = -xa * own, ab = xa * share;

@@ -78,8 +78,11 @@ struct ElementMatrix {
 };
 /// Stiffness for the time step: the material part, and the geometric part of `tension` (N); that of
 /// the moments is left out. Positive semidefinite unless `tension` is negative.
+/// `chord_roll`: how much the chord rolls of what its ends do. Two motions of a bent beam cost
+/// nothing, and no semidefinite form is zero for both: with 1 it is that all of the beam rolls
+/// about its chord, as where a loop swings; with 0 that it rolls about its own axis, as in a knot.
 void step_stiffness(const ElementRest& rest, const ElementState& state, Real tension,
-                    ElementMatrix& k);
+                    Real chord_roll, ElementMatrix& k);
 
 /// The Hessian of U with respect to (v, spin_a, spin_b), rotations varied by the exponential map.
 void hessian(const ElementRest& rest, const ElementState& state, Mat9& k);

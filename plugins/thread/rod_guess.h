@@ -74,6 +74,8 @@ struct RodGuess {
   /// Per beam, that an Elongation is known to bear beside it (N): it turns with the beam.
   std::vector<Real> limit_tension;
 
+  Real chord_roll = 1;  ///< of the convex stiffness here (`step_stiffness` in element.h)
+
   // What `move` and `evaluate` find there.
   std::vector<ElementState> beams;
   DofVector missing;  ///< r: momentum due without forces of constraints (N s, N m s; 6 per node)

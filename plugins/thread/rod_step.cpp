@@ -119,6 +119,7 @@ void RodStep::begin(Rod& rod, Real dt, const Vec3& gravity, Index order) {
   order_ = order;
   set_start(dt);
   guess_.force.at = last_force_;
+  passes_ = 0;
   stay(rod);
   const bool pushed = !last_force_.isZero(0);
   const Real lacks = pushed ? imbalance(rod, last_force_).relative : 0;
@@ -167,6 +168,9 @@ bool RodStep::goes_uphill(Real lacks, const Rod& rod) {
 
 bool RodStep::linearise(const Rod& rod, const Dofs& force) {
   stuck_ = false;
+  // Passes that lead a swinging loop home and passes for strands that roll take turns.
+  constexpr Real rolls_on_itself = 0.3;
+  guess_.chord_roll = passes_++ % 2 == 0 ? 1 : rolls_on_itself;
   guess_.force.at = force;
   assemble(rod, start_, guess_, Tangent::exact, matrix_);
   if (!matrix_.factor()) {  // something buckles: go downhill

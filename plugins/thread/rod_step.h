@@ -106,6 +106,7 @@ class RodStep {
   DeadMoments moments_;
   std::vector<Real> viscous_tension_;  ///< per beam
   bool in_step_ = false;
+  Index passes_ = 0;  ///< in this step
   bool part_way_ = false;
   bool speeds_up_ = false;   ///< as the step begins
   Real kinetic_energy_ = 0;  ///< as the step began, beside that of the whole (J)

@@ -24,12 +24,13 @@ void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Ind
     s.tension = all;
     hessian(rod.element(e), s, k);
   } else {
-    step_stiffness(rod.element(e), s, std::max(all, 0.), k);
+    step_stiffness(rod.element(e), s, std::max(all, 0.), guess.chord_roll, k);
   }
   if (!(beta > 0)) return;
   const Real change = n - rod.element(e).axial * start.deformation[e].strain;  // times beta/h
   ElementMatrix viscous;
-  step_stiffness(rod.element(e), s, exact ? change : std::max(change, 0.), viscous);
+  step_stiffness(rod.element(e), s, exact ? change : std::max(change, 0.), guess.chord_roll,
+                 viscous);
   blend(k, viscous, beta / (start.dt + beta));
 }
 

@@ -144,7 +144,7 @@ TEST_P(Element, StepStiffnessIsPositive) {
   ElementState s;
   evaluate(beam.rest, beam.a, beam.b, beam.twist, s);
   ElementMatrix k;
-  step_stiffness(beam.rest, s, std::max(s.tension, 0.), k);
+  step_stiffness(beam.rest, s, std::max(s.tension, 0.), 1, k);
   const Mat12 full = in_radians(expand(k), beam.rest.length);
   const Eigen::SelfAdjointEigenSolver<Mat12> eigen(full);
   EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-12 * eigen.eigenvalues().maxCoeff());
@@ -161,7 +161,7 @@ TEST_P(Element, StepStiffnessHasAllOfTheStretch) {
   evaluate(beam.rest, beam.a, beam.b, beam.twist, s);
   s.tension = 0;
   ElementMatrix k;
-  step_stiffness(beam.rest, s, 0, k);
+  step_stiffness(beam.rest, s, 0, 1, k);
   Mat9 h;
   hessian(beam.rest, s, h);
   const Mat12 error = in_radians(expand(k) - expand(h), beam.rest.length);
@@ -172,9 +172,8 @@ TEST_P(Element, StepStiffnessHasAllOfTheStretch) {
 TEST(TautElement, ResistsARollThatTurnsItsTiltsApart) {
   // Both ends tilted by theta to the same side of a chord under tension N. The bow's energy has the
   // term -N L/30 theta^2 cos(roll) for a roll of one end about the chord: N L/30 theta^2 is the
-  // exact stiffness. In the convex one the chord takes a quarter of the roll, so it is a tilt aside
-  // by 3/4 theta at one end and by -1/4 theta at the other: (10 c1 - 6 c2) theta^2/16 = 2.875 times
-  // that. What else resists is a hundredth of it here.
+  // exact stiffness. The convex one takes the roll for two tilts aside by theta/2 each, of opposite
+  // sign: (c1 - c2) theta^2/2 = 2.5 times that. What else resists is a hundredth of it here.
   const ElementRest rest = BentBeam::make_rest(false);
   const Real theta = 0.1;
   Pose a, b;
@@ -184,18 +183,19 @@ TEST(TautElement, ResistsARollThatTurnsItsTiltsApart) {
   evaluate(rest, a, b, 0, s);
   s.tension = 100 * (rest.bend_1 + rest.torsion) / rest.length / (theta * theta) * 30;
   ElementMatrix k;
-  step_stiffness(rest, s, s.tension, k);
+  step_stiffness(rest, s, s.tension, 1, k);
   Mat9 h;
   hessian(rest, s, h);
   const Real exact = s.tension * rest.length / 30 * theta * theta;
   EXPECT_NEAR(h(3, 3), exact, 0.05 * exact);
-  EXPECT_NEAR(k.aa(0, 0), 2.875 * exact, 0.05 * 2.875 * exact);
+  EXPECT_NEAR(k.aa(0, 0), 2.5 * exact, 0.05 * 2.5 * exact);
 }
 
-TEST(BentElement, RollsAgainstAQuarterOfWhatItsTiltsCost) {
-  // Tilted by theta and -theta: a bow. To roll all of it about the chord costs nothing, nor to roll
-  // each end about its own axis. The convex stiffness takes half of the roll away from both, which
-  // leaves each of them a quarter of what tilts of theta aside would cost, 2 (c1 - c2) theta^2.
+TEST(BentElement, RollsAboutItsChordOrAboutItsOwnAxisAtNoCost) {
+  // Tilted by theta and -theta: a bow. The exact energy does not change if all of it rolls about
+  // the chord, nor if each end rolls about its own axis. In the convex form the chord takes a share
+  // s of the roll, and the tilts move aside by (1 - s) theta in the first motion and by s theta in
+  // the second: 2 (c1 - c2) theta^2 times (1 - s)^2 and s^2.
   const ElementRest rest = BentBeam::make_rest(false);
   const Real theta = 0.1;
   Pose a, b;
@@ -205,14 +205,17 @@ TEST(BentElement, RollsAgainstAQuarterOfWhatItsTiltsCost) {
   ElementState s;
   evaluate(rest, a, b, 0, s);
   s.tension = 0;
-  ElementMatrix k;
-  step_stiffness(rest, s, 0, k);
-  const auto energy = [&k](const Vec3& first, const Vec3& second) {
-    return first.dot(k.aa * first) + 2 * first.dot(k.ab * second) + second.dot(k.bb * second);
-  };
-  const Real quarter = (rest.bend_1 - rest.bend_2) * theta * theta / 2;
-  EXPECT_NEAR(energy(s.e, s.e), quarter, 0.05 * quarter);
-  EXPECT_NEAR(energy(s.ca, s.cb), quarter, 0.05 * quarter);
+  const Real aside = 2 * (rest.bend_1 - rest.bend_2) * theta * theta;
+  for (const Real share : {0., 0.3, 1.}) {
+    ElementMatrix k;
+    step_stiffness(rest, s, 0, share, k);
+    const auto energy = [&k](const Vec3& first, const Vec3& second) {
+      return first.dot(k.aa * first) + 2 * first.dot(k.ab * second) + second.dot(k.bb * second);
+    };
+    // Of the tilts squared, a hundredth is left out here.
+    EXPECT_NEAR(energy(s.e, s.e), (1 - share) * (1 - share) * aside, 0.02 * aside);
+    EXPECT_NEAR(energy(s.ca, s.cb), share * share * aside, 0.02 * aside);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(States, Element,
@@ -239,7 +242,7 @@ TEST(ElementAtRest, StiffnessesAgree) {
     // Rounding of the chord times EA.
     EXPECT_LT(gradient(rest, s).v.norm(), 1e-14 * rest.axial);
     ElementMatrix k;
-    step_stiffness(rest, s, s.tension, k);
+    step_stiffness(rest, s, s.tension, 1, k);
     Mat9 h;
     hessian(rest, s, h);
     const Mat12 full = expand(k);
