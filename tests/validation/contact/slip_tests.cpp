@@ -43,8 +43,8 @@ Pulled pull(const std::string& start, Real seconds) {
   return out;
 }
 
-// Strands of a knot roll as it is drawn together. A tolerance that is blind to roll leaves a friction
-// in every step, and all of it has one sign: the legs felt 15 % too much here.
+// Strands of a knot roll as it is drawn together. A tolerance that is blind to roll leaves a
+// friction in every step, and all of it has one sign: the legs felt 15 % too much here.
 TEST(Slip, WhileItIsTightenedItPullsAsWithATenthOfTheTolerance) {
   const auto legs = [](const std::string& tolerance) {
     TextRun world = TextRun::file("knots/slip.xml", {{".tolerance", tolerance}});
