@@ -262,7 +262,7 @@ std::string Contact::fault() const {
     return "the two overlap by " + format_real(unseen_overlap_) +
            " m where no touch holds them apart; take shorter steps or a finer mesh (and do not "
            "push "
-           "an end back that has been drawn through its channel)";
+           "an end back into its channel)";
   return {};
 }
 
