@@ -9,7 +9,7 @@
 namespace sutura::testing {
 namespace {
 
-constexpr KnotInvariant no_knot{1, 1}, trefoil{3, 2};
+constexpr KnotInvariant no_knot{1, 1};
 
 // A (2, n) torus knot on a torus about z. With growing angle it turns left-handed or right-handed.
 Line torus_knot(int n, int hand, const Vec3& middle) {
