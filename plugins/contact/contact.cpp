@@ -260,9 +260,8 @@ std::string Contact::fault() const {
            " m since a step that was not solved; the next steps take it back";
   if (unseen_overlap_ > 0)
     return "the two overlap by " + format_real(unseen_overlap_) +
-           " m where no touch holds them apart; take shorter steps or a finer mesh (and do not "
-           "push "
-           "an end back into its channel)";
+           " m where no touch holds them apart; take shorter steps or a finer mesh, and do not "
+           "push an end back into its channel";
   return {};
 }
 

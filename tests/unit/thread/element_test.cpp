@@ -191,7 +191,7 @@ TEST(TautElement, ResistsARollThatTurnsItsTiltsApart) {
   EXPECT_NEAR(k.aa(0, 0), 2.5 * exact, 0.05 * 2.5 * exact);
 }
 
-TEST(BentElement, RollsAboutItsChordOrAboutItsOwnAxisAtNoCost) {
+TEST(BentElement, TheRollOfTheChordSaysWhichOfTwoRollsCostsNothing) {
   // Tilted by theta and -theta: a bow. The exact energy does not change if all of it rolls about
   // the chord, nor if each end rolls about its own axis. In the convex form the chord takes a share
   // s of the roll, and the tilts move aside by (1 - s) theta in the first motion and by s theta in
