@@ -129,9 +129,9 @@ class ConstraintBuilder {
     const Index first = problem_.blocks[static_cast<std::size_t>(block.index)].first_row;
     std::copy_n(lambda.data(), N, first_lambda_.begin() + first);
   }
-  /// Force of the first row of the block with this key in the pass before, or in the step before
-  /// (N); 0 if there was none. For stiffnesses that grow with it.
-  Real known_force(Key key) const;
+  /// Force of a row of the block with this key in the pass before, or in the step before (N); 0 if
+  /// there was none. For stiffnesses that grow with it.
+  Real known_force(Key key, Index row = 0) const;
   /// Likewise its mode, or `otherwise` if there was none. For what ends where a block has given
   /// way.
   Mode known_mode(Key key, Mode otherwise) const;

@@ -97,6 +97,7 @@ void Channel::push(const EmbeddedPoint& at, Real depth, Real abscissa, PathSampl
                       .depth = depth,
                       .abscissa = abscissa,
                       .slip = slip,
+                      .across = thread_.tangent(abscissa, Configuration::current).unitOrthogonal(),
                       .kind = kind});
   passed_ = samples_.size();
   ahead_ = lead_ = 0;
@@ -328,6 +329,7 @@ void Channel::archive(Archive& a) {
     each("abscissa", s.abscissa);
     each("slip", s.slip);
     each("lateral_force", s.lateral_force);
+    each("across", s.across);
     each("kind", s.kind);
   });
   pieces_.archive(a);

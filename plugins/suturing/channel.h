@@ -23,7 +23,8 @@ struct PathSample {
   Real depth = 0;        ///< m
   Real abscissa = 0;     ///< of the thread, at this point (m)
   Real slip = 0;  ///< change of the abscissa over the last step (m): positive when the tip advances
-  Real lateral_force = 0;  ///< across what it stands for in the last step, spread (N)
+  Real lateral_force = 0;      ///< across what it stands for in the last step, spread (N)
+  Vec3 across = Vec3::Zero();  ///< unit vector across the thread, turns as its tangent does
   enum class Kind { entry, inner, exit } kind = Kind::inner;
   bool cut_out = false;    ///< until drop_cut_out
   bool passed_by = false;  ///< by a mouth, likewise

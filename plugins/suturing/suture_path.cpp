@@ -14,6 +14,7 @@ namespace sutura::suturing {
 namespace {
 
 constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
+constexpr std::uint64_t springs = (1ull << 38);         // names of springs are from here on
 
 // In units of the spacing of samples.
 constexpr Real too_close = 0.3;  // to the tip: rows that would repeat those of the end
@@ -37,6 +38,13 @@ Real edge_length(const SolidBody& tissue, const EmbeddedPoint& at) {
     for (std::size_t k = 0; k < i; ++k) sum += (corner[i] - corner[k]).norm();
   }
   return sum / 6;
+}
+
+/// Unit vector across `tangent`, as near to `v` as can be.
+Vec3 across_to(const Vec3& tangent, const Vec3& v) {
+  constexpr Real clear = 0.1;
+  const Vec3 across = v - tangent.dot(v) * tangent;
+  return across.norm() > clear ? across.normalized() : tangent.unitOrthogonal();
 }
 
 }  // namespace
@@ -142,17 +150,20 @@ void SuturePath::archive(Archive& a) {
   a("cut", cut_);
 }
 
-Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low,
-                           Real high) const {
+Crossing SuturePath::cross(const EmbeddedPoint& at, std::uint64_t id, Real before,
+                           const Vec3& across, Real low, Real high) const {
   constexpr Configuration now = Configuration::current;
   Crossing c;
   c.id = id;
   c.position = tissue_->position(at, now);
   c.abscissa = thread_->closest_abscissa(c.position, std::max(before, low), low, high, now);
   const Vec3 tangent = thread_->tangent(c.abscissa, now);
+  // Forces are known by their components: with axes that turn otherwise than the thread does, they
+  // would turn from guess to guess, and otherwise in a scene that is turned.
+  const Vec3 tangent_before = thread_->tangent(before, Configuration::start);
   c.axes.row(0) = tangent;
-  c.axes.row(1) = tangent.unitOrthogonal();
-  c.axes.row(2) = tangent.cross(tangent.unitOrthogonal());
+  c.axes.row(1) = across_to(tangent, shortest_rotation(tangent_before, tangent) * across);
+  c.axes.row(2) = tangent.cross(c.axes.row(1));
   c.gap = c.axes * (thread_->point(c.abscissa, now) - c.position);
   c.gap.x() += before - c.abscissa;
   thread_->jacobian(c.abscissa, c.thread);
@@ -173,15 +184,16 @@ void SuturePath::detect(const StepContext& context) {
   for (std::size_t i = channel.passed(); i-- > 0;) {
     const PathSample& s = channel.samples()[i];
     const Pieces::Piece piece = channel.piece_at(i);
-    crossings_[i] = cross(s.at, s.id, s.abscissa, std::max(low, piece.low), piece.high);
+    crossings_[i] = cross(s.at, s.id, s.abscissa, s.across, std::max(low, piece.low), piece.high);
     crossings_[i].sample = i;
     crossings_[i].share = channel.share_of(i);
     low = crossings_[i].abscissa;
   }
   // The end of the channel is where the tip was; the section that is there now has to follow it, or
   // a curved needle would be led along its tangent.
-  if (channel.tip_at_end())
-    crossings_.push_back(cross(channel.end(), end_of_channel, 0, 0, thread_->length()));
+  if (!channel.tip_at_end()) return;
+  const Vec3 across = thread_->frame(0, Configuration::start).rotation * Vec3::UnitY();
+  crossings_.push_back(cross(channel.end(), end_of_channel, 0, across, 0, thread_->length()));
 }
 
 /// So close that its rows would repeat those of the end of the channel.
@@ -204,7 +216,34 @@ Vec3 SuturePath::way_along_block(const ConstraintBuilder& builder) const {
   return along.norm() > straight_at ? along.normalized() : Vec3::Zero();
 }
 
-void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
+/// The force across a thread that is bent turns with it as the thread slides on, and resists that.
+/// Linear rows do not know it: where a strand from bite to bite is softer than that, passes would
+/// go to and fro. So it is said as a spring along the thread, about the guess: without force there,
+/// and gone with the pass.
+void SuturePath::stiffen(const StepContext& context, const Crossing& c,
+                         ConstraintBuilder& builder) const {
+  const Real reach = 2 * thread_->radius(c.abscissa);
+  const Real low = std::max(c.abscissa - reach, Real(0));
+  const Real high = std::min(c.abscissa + reach, thread_->length());
+  const Vec3 bend = (thread_->tangent(high, Configuration::current) -
+                     thread_->tangent(low, Configuration::current)) /
+                    (high - low);
+  const Key key = make_key(source_id_, c.id);
+  const Vec3 force =
+      c.axes.row(1) * builder.known_force(key, 0) + c.axes.row(2) * builder.known_force(key, 1);
+  const Real stiffness = -force.dot(bend);
+  constexpr Real least = 1e-6;  // N/m: softer than any strand
+  if (!(stiffness > least)) return;
+  // A name for this pass only: what it carried is not taken on.
+  const std::uint64_t name = springs | (c.id << 8) | static_cast<std::uint64_t>(context.pass & 255);
+  const BlockId block =
+      builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness}, BlockVector<1>(0));
+  const Directions along = c.axes.topRows<1>();
+  builder.couple(block, *thread_, along, c.thread, c.position);
+  builder.couple(block, *tissue_, -along, c.tissue, c.position);
+}
+
+void SuturePath::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
   way_along_ = way_along_block(builder);
   const Real strength = strength_ > 0 ? strength_ : std::numeric_limits<Real>::infinity();
@@ -230,6 +269,7 @@ void SuturePath::build(const StepContext&, ConstraintBuilder& builder) {
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
     blocks_.push_back({block, i, compliance, length});
+    if (!is_end) stiffen(context, c, builder);
   }
 }
 
@@ -324,6 +364,8 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
   lateral_force_ = 0;
   for (const LateralBlock& b : blocks_)
     lateral_force_ = std::max(lateral_force_, solved.lambda(b.block).norm());
+  for (std::size_t i = 0; i < sample_crossings_; ++i)
+    channel_->sample(i).across = crossings_[i].axes.row(1);
   spread(solved);
   if (strength_ > 0) cut(solved);
   channel_->update(tip_blocked(), way_along_, tip_let_out_);

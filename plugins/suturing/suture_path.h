@@ -67,8 +67,10 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Vec3 way_along_block(const ConstraintBuilder& builder) const;
 
  private:
-  /// `before`: the abscissa at the start of the step; between `low` and `high` it is now.
-  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real before, Real low, Real high) const;
+  /// As the step began: `before`, the abscissa, and `across`, a unit vector across the thread. Now
+  /// the abscissa is between `low` and `high`.
+  Crossing cross(const EmbeddedPoint& at, std::uint64_t id, Real before, const Vec3& across,
+                 Real low, Real high) const;
 
   Link<CurveBody> thread_;
   Link<SolidBody> tissue_;
@@ -88,6 +90,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
     Real length;      ///< of channel that it bears for (m)
   };
   void sew(Setup& setup);
+  void stiffen(const StepContext& context, const Crossing& c, ConstraintBuilder& builder) const;
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
   Real stray() const;

@@ -42,10 +42,10 @@ const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(Key wanted) cons
   return it != blocks.end() && it->key == wanted ? &*it : nullptr;
 }
 
-Real ConstraintBuilder::known_force(Key key) const {
+Real ConstraintBuilder::known_force(Key key, Index row) const {
   const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
   const Known* known = memory.find(key);
-  return known != nullptr ? memory.lambda[static_cast<std::size_t>(known->first)] : Real(0);
+  return known != nullptr ? memory.lambda[static_cast<std::size_t>(known->first + row)] : Real(0);
 }
 
 Mode ConstraintBuilder::known_mode(Key key, Mode otherwise) const {
