@@ -232,8 +232,8 @@ void SuturePath::stiffen(const StepContext& context, const Crossing& c,
   const Vec3 force =
       c.axes.row(1) * builder.known_force(key, 0) + c.axes.row(2) * builder.known_force(key, 1);
   const Real stiffness = -force.dot(bend);
-  constexpr Real least = 1e-6;  // N/m: softer than any strand
-  if (!(stiffness > least)) return;
+  constexpr Real straight = 1e-6;  // rad
+  if (!(stiffness * reach > straight * force.norm())) return;
   // A name for this pass only: what it carried is not taken on.
   const std::uint64_t name = springs | (c.id << 8) | static_cast<std::uint64_t>(context.pass & 255);
   const BlockId block =

@@ -38,24 +38,6 @@ Real share(const Vec6& r, const Vec3& tangent, const AtWork& at_work, const Elem
                    part(missing.roll, roll)});
 }
 
-/// The most that any stretch of a strand lacks along itself (N). A hand at the end of it feels the
-/// sum of what its nodes lack, each of them less than is seen there.
-class Along {
- public:
-  void begin_strand() { sum_ = low_ = high_ = 0; }
-  void add(Real force) {
-    sum_ += force;
-    low_ = std::min(low_, sum_);
-    high_ = std::max(high_, sum_);
-    most_ = std::max(most_, high_ - low_);
-  }
-  Real most() const { return most_; }
-
- private:
-  Real sum_ = 0, low_ = 0, high_ = 0;  ///< from the beginning of the strand
-  Real most_ = 0;
-};
-
 }  // namespace
 
 void RodStep::fit(const Rod& rod) {
@@ -251,11 +233,9 @@ void RodStep::move_to(Rod& rod, const VecX& motion) {
 Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
   Imbalance worst;
   const Stretches& stretches = rod.stretches();
-  Along along;
-  Real everywhere = 0, noise = 0;
+  Real everywhere = 0;
   for (const AtWork& w : guess_.at_work) everywhere = std::max(everywhere, w.force);
   for (Index i = 0; i < rod.nodes(); ++i) {
-    if (rod.is_clamped(i) || (i > 0 && rod.is_cut(i - 1))) along.begin_strand();
     if (rod.is_clamped(i) || stretches.follows(i)) continue;
     Vec6 r = guess_.missing.segment<6>(6 * i) / start_.dt;
     AtWork scale = guess_.at_work[i];
@@ -280,13 +260,9 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
     const Real size = std::max(r.head<3>().norm(), r.tail<3>().norm() / beam.length);
     // What is not a number at one node stays so: the next one must not hide it.
     if (!std::isfinite(size)) return {size, size};
-    along.add(r.head<3>().dot(tangent(rod.poses()[i])));
-    noise += rounding.force;
     worst.force = std::max(worst.force, size);
     worst.relative = std::max(worst.relative, relative);
   }
-  if (along.most() > noise)
-    worst.relative = std::max(worst.relative, std::min(1., (along.most() - noise) / everywhere));
   worst.relative = std::max(worst.relative, imbalance_of_whole(rod, force, everywhere));
   return worst;
 }

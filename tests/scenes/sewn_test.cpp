@@ -1,5 +1,9 @@
 // A thread that begins sewn (SuturePath sewn="true") behaves as one that its needle has sewn.
+#include <map>
+#include <numbers>
+
 #include "scenes/text_run.h"
+#include "sutura/laws/bilateral.h"
 
 namespace sutura::testing {
 namespace {
@@ -67,6 +71,51 @@ TEST(Sewn, GoesThroughBothLipsOfAWound) {
   TextRun beside = run("tip=\"15 0.3 2 mm\" tip_direction=\"1 0 0\"");
   EXPECT_FALSE(beside);
   EXPECT_NE(beside.said().find("no part of it goes through the tissue"), std::string::npos);
+}
+
+/// A bent wire of radius R through a slab, drawn aside: stiffness of the springs along it that its
+/// path has in the last pass, times R, over the force across the wire at the same sample.
+std::vector<Real> springs_over_force(const std::string& aside) {
+  constexpr Real R = 30e-3 / (std::numbers::pi / 3);
+  TextRun run(
+      "<BlockMesh box='-5 -5 -5  5 5 0 mm' cells='10 10 5'/>"
+      "<Tissue young='50 kPa' poisson='0.4' damping_stiffness='5 ms'/>"
+      "<Attach box='-5 -5 -5  -5 5 0 mm'/> <Attach name='right' box='5 -5 -5  5 5 0 mm'/>"
+      "<SutureThread name='wire' needle_length='30 mm' needle_angle='60 deg' "
+      "needle_diameter='0.5 mm' tip='0.1 0.1 -13 mm' tip_direction='0 0 -1' "
+      "plane_normal='0 1 0' thread_length='30 mm'/>"
+      "<Track name='way' times='0 0.2 s' positions='0 0 0  " +
+      aside +
+      " 0 0 mm'/> <Grasper at='8 mm' track='way'/>"
+      "<SuturePath name='path' spacing='1 mm' sewn='true'/>");
+  EXPECT_TRUE(run) << run.said();
+  if (!run) return {};
+  run.run(0.2);
+  const ConstraintProblem& problem = run.simulation().problem();
+  std::map<std::uint64_t, Real> across;  // N, by sample
+  std::vector<Real> out;
+  for (const ConstraintBlock& b : problem.blocks) {
+    const std::uint64_t name = local_of(b.key);
+    if (b.law->dim == 2) across[name] = problem.lambda.segment<2>(b.first_row).norm();
+    if (b.law->dim != 1) continue;
+    const std::uint64_t sample = (name & ((std::uint64_t{1} << 38) - 1)) >> 8;
+    const auto& of = *static_cast<const Bilateral<1>::Params*>(problem.block_params(b));
+    out.push_back(R / of.compliance / across.at(sample));
+  }
+  return out;
+}
+
+// As it slides by a length s along itself, a force f across it turns by s / R, so that it resists
+// by f s / R where it points away from the centre, and drives where it points to it. The slab holds
+// back what is drawn aside: on one side all the springs are there, on the other none.
+TEST(Sewn, AForceAcrossABentWireResistsItsSliding) {
+  const std::vector<Real> one = springs_over_force("-0.3"), other = springs_over_force("0.3");
+  const auto& with = one.empty() ? other : one;
+  const auto& without = one.empty() ? one : other;
+  EXPECT_TRUE(without.empty());
+  ASSERT_GE(with.size(), 4u);  // 5 mm, a sample each
+  // Of beams of half a millimetre, and forces that are not quite in the plane of the wire.
+  for (const Real ratio : with) EXPECT_NEAR(ratio, 1, 0.02);
 }
 
 }  // namespace

@@ -17,13 +17,15 @@ namespace {
 constexpr double friction = 0.1 * 20e3;       // mu p of the scene, Pa
 constexpr double thread_diameter = 0.175e-3;  // m
 
-/// At the longest step for which 5 % of the pull are asked.
+/// A hundredth of what is at work may be missing at a node: all along the thread that makes 2 to 3
+/// % of its pull through three bites, and is 1 % with this tolerance.
 Table run() {
   const house::TemporaryFolder folder("three_bites");
-  const house::Outcome outcome = house::command("run " SUTURA_SOURCE_DIR
-                                                "/scenes/validation/three_bites.xml --set .dt=20ms"
-                                                " --set /vtu_recorder.interval=1e9 --output " +
-                                                folder.path().string());
+  const house::Outcome outcome =
+      house::command("run " SUTURA_SOURCE_DIR
+                     "/scenes/validation/three_bites.xml --set .dt=5ms --set .tolerance=0.003"
+                     " --set /vtu_recorder.interval=1e9 --output " +
+                     folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_EQ(outcome.text.find("TOLERANCE MISSED"), std::string::npos) << outcome.text;
   return read_csv((folder.path() / "bites.csv").string());
@@ -31,9 +33,8 @@ Table run() {
 
 /// The puller lifts the needle straight up and the thread behind it slides through every bite: the
 /// force on the puller is mu p times the surface inside, whatever the corners. Asked is its mean
-/// within 5 % at any step up to 20 ms. Seen were 0.2, 1 and 3 % through one, two and three bites at
-/// 10 and 20 ms, and 8 % less or more in a single step: what is left is that of beams and samples
-/// at the mouths.
+/// within 5 %. Seen were 0.3, 1.6 and 3.1 % through one, two and three bites, and 8 % less or more
+/// in a single step: what is left is that of beams and samples at the mouths.
 void expect_pull_is_friction(const Table& t, double from, double to) {
   double sum = 0;
   int slides = 0, steps = 0;

@@ -99,33 +99,6 @@ TEST(RodStep, ImbalanceIsTheForceThatIsMissing) {
   step.end(rod, force);
 }
 
-// What a hand at an end feels is what the nodes lack in sum, although each of them lacks little.
-TEST(RodStep, ImbalanceAlongAStrandIsThatOfItsSum) {
-  Rod rod;
-  rod.build(straight_layout(0.1, 20, nylon()));
-  RodStep step(rod);
-  step.begin(rod, 0.01, Vec3::Zero());
-  constexpr Real pull = 0.1, each = 2e-4;
-  VecX force = VecX::Zero(rod.dofs());
-  force[0] = -pull;
-  force[6 * 20] = pull;
-  for (int pass = 0; pass < 10; ++pass) {
-    ASSERT_TRUE(step.linearise(rod, force));
-    step.correct(rod);
-  }
-  ASSERT_LT(step.imbalance(rod, force).relative, balanced);
-  // At a node twice the tension is at work. In sum over all of them nothing is missing.
-  const auto with = [&](auto along) {
-    VecX all = force;
-    for (Index i = 0; i < 20; ++i) all[6 * i] += each * along(i);
-    return step.imbalance(rod, all).relative;
-  };
-  const Real of_node = each / (2 * pull);
-  EXPECT_NEAR(with([](Index i) { return i < 10 ? 1 : -1; }), 10 * of_node, 0.02 * 10 * of_node);
-  EXPECT_NEAR(with([](Index i) { return i % 2 == 0 ? 1 : -1; }), of_node, 0.02 * of_node);
-  step.end(rod, force);
-}
-
 /// Largest distance of a node (m) between two rods of the same sampling.
 Real distance(const Rod& a, const Rod& b) {
   Real worst = 0;
