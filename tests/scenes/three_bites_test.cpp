@@ -17,8 +17,8 @@ namespace {
 constexpr double friction = 0.1 * 20e3;       // mu p of the scene, Pa
 constexpr double thread_diameter = 0.175e-3;  // m
 
-/// A hundredth of what is at work may be missing at a node: all along the thread that makes 2 to 3
-/// % of its pull through three bites, and is 1 % with this tolerance.
+/// With the default tolerance, 0.01, what nodes lack along the thread adds 2 to 3 % to its pull
+/// through three bites. With this one the pull is within 0.6 % of that with 0.001.
 Table run() {
   const house::TemporaryFolder folder("three_bites");
   const house::Outcome outcome =
