@@ -13,15 +13,15 @@ constexpr Real parallel = 0.1;   // sine of the angle below which edges lie alon
 
 /// Two edges at a time of the step: their common normal, from the second to the first, and how far
 /// they are apart along it.
-struct Crossing {
+struct CrossedEdges {
   Vec3 normal = Vec3::Zero();
   SegmentPair on;
   Real gap = 0;
   bool is_inner = false;  ///< both points are between the ends
 };
 
-Crossing cross(const Segment& first, const Segment& second, const Vec3& up) {
-  Crossing out;
+CrossedEdges cross(const Segment& first, const Segment& second, const Vec3& up) {
+  CrossedEdges out;
   const Vec3 u = (first.b - first.a).normalized(), v = (second.b - second.a).normalized();
   const Vec3 across = u.cross(v);
   const Real sine = across.norm();
@@ -73,7 +73,7 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
     return SurfaceEdges::faces(second(), f, normal, time) &&
            SurfaceEdges::faces(first_, e, -normal, time);
   };
-  const auto touch = [&](const Crossing& where) {
+  const auto touch = [&](const CrossedEdges& where) {
     const Segment mine = SurfaceEdges::at(first_, e, 1), other = SurfaceEdges::at(second(), f, 1);
     Touch& t = out.emplace_back();
     constexpr Real edges = 1e9;  // numbers of edges begin after those of nodes
@@ -90,7 +90,7 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
   };
   // Does its way lead through, deeper than a touch sees? Then it is touched where the two met: what
   // is carried does not go back.
-  const Crossing begin = at(0, SurfaceEdges::outward(second(), f, 0));
+  const CrossedEdges begin = at(0, SurfaceEdges::outward(second(), f, 0));
   if (begin.gap > -deep && !begin.normal.isZero() && faced(begin.normal, 0) &&
       at(1, begin.normal).gap < -deep) {
     Real low = 0, high = 1;
@@ -99,14 +99,14 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
       (at(middle, begin.normal).gap > std::min(begin.gap, Real(0)) ? low : high) = middle;
     }
     // Where they only turn past each other the gap changes its sign, too, and they are apart.
-    const Crossing met = at(high, begin.normal);
+    const CrossedEdges met = at(high, begin.normal);
     const Real overlap = std::max(-begin.gap, Real(0)) + touching * deep;
     if (met.is_inner && met.on.squared_distance < overlap * overlap) {
       free_way_ = std::min(free_way_, low);
       return touch(met);
     }
   }
-  const Crossing now = at(1, SurfaceEdges::outward(second(), f, 1));
+  const CrossedEdges now = at(1, SurfaceEdges::outward(second(), f, 1));
   if (now.is_inner && now.gap <= reach && now.gap >= -deep && faced(now.normal, 1)) touch(now);
 }
 

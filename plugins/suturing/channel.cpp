@@ -12,8 +12,6 @@ namespace {
 
 // In units of the spacing of samples.
 constexpr Real at_end = 0.02;       // a tip that is closer to the end of the channel is at its end
-constexpr Real search_step = 0.25;  // along the needle, for where it goes through the surface
-constexpr Real too_close = 0.5;     // closer samples would hold the same section twice
 constexpr Real longest = 1.5;       // channel between two samples: the last part before an exit
 constexpr Real lost = 2;            // a tip that is further past a sample went another way
 
@@ -212,7 +210,6 @@ bool Channel::has_lost_its_thread(std::size_t i) const {
   const Pieces::Piece piece = piece_at(i);
   if (!piece.ends_at(s.abscissa)) return false;
   if (s.kind == PathSample::Kind::inner || !(piece.low < piece.high)) return true;
-  constexpr Configuration now = Configuration::current;
   const Vec3 away = thread_.point(s.abscissa, now) - tissue_.position(s.at, now);
   return away.norm() > 2 * thread_.radius(s.abscissa);
 }
@@ -310,7 +307,6 @@ bool Channel::has_passed_wall() const {
 /// Whether the needle goes through a surface between two sections of it. `side`: 1 if the surface
 /// faces against the way of the tip, -1 if it faces along.
 bool Channel::goes_through_surface(Real low, Real high, Real side) const {
-  constexpr Configuration now = Configuration::current;
   Vec3 from = thread_.point(low, now);
   for (Real s = low; s < high;) {
     s = std::min(s + search_step * spacing_, high);

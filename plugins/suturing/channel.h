@@ -113,6 +113,11 @@ class Channel {
   void archive(Archive& archive);
 
  private:
+  static constexpr Configuration now = Configuration::current;
+  // In units of the spacing of samples.
+  static constexpr Real search_step = 0.25;  ///< along the thread, for where it goes through a wall
+  static constexpr Real too_close = 0.5;     ///< closer samples would hold the same section twice
+
   /// Index of the sample with this id, or the number of samples.
   std::size_t index_of(std::uint64_t id) const;
   void find_abscissae();

@@ -18,7 +18,7 @@ constexpr Real widest = 10;      // disc, in units of the radius of the shaft
 constexpr Real deepest = 3;      // dent of the near field, of the disc: linear theory says no more
 
 constexpr Real most_stretch = 4;   // what is further apart now than that, of rest, is torn apart
-constexpr Real as_far = 2;         // search radius, by how far a point slides
+constexpr Real search_reach = 2;   // by how far a point slides
 constexpr Real half_turned = 0.5;  // cosine; a normal that turns by more shows another surface
 
 /// A direction along the surface that belongs to the mesh and not to the axes of the world: the
@@ -123,7 +123,7 @@ void Footprint::slide(const SolidBody& tissue, const SurfacePoint& from, const S
   const Real way = (there - away).norm() + std::abs(growth - 1) * was;
   for (SurfacePoint& p : points_) {
     const Vec3 goal = there + growth * (turn * (tissue.position(p.at, rest) - away));
-    const auto foot = tissue.closest_surface(goal, as_far * way, rest, outward);
+    const auto foot = tissue.closest_surface(goal, search_reach * way, rest, outward);
     if (!foot) continue;
     // Over to the other lip of an open wound it does not go.
     const Vec3 went = tissue.position(foot->at, start) - tissue.position(p.at, start);

@@ -11,7 +11,6 @@ namespace sutura::suturing {
 namespace {
 
 // In units of `reach`.
-constexpr Real still_outside = 1e-3;  // a tip that begins no deeper than this lies on the surface
 constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
 
 constexpr Real rounding = 1e-6;  // of a force

@@ -28,6 +28,9 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   std::string fault() const override;
 
  private:
+  /// A tip that is no deeper than this lies on the surface (in units of `reach`).
+  static constexpr Real still_outside = 1e-3;
+
   /// What the tip faces: a surface from outside, a layer from inside the one above it, a surface
   /// from inside; or nothing, because it got in without a puncture.
   enum class Front { none, entry, layer, exit, overrun };

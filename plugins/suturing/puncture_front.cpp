@@ -8,7 +8,6 @@ namespace sutura::suturing {
 namespace {
 
 // In units of `reach`.
-constexpr Real still_outside = 1e-3;  // a tip that is no deeper than this lies on the surface
 constexpr Real well_inside = 0.01;    // one that is deeper than this has got in
 constexpr Real still_there = 1e-3;    // a tip that has slid no further than this has not slid
 constexpr Real behind = 0.1;          // from where, behind the tip, the front of a layer is sought

@@ -7,14 +7,9 @@
 namespace sutura::suturing {
 namespace {
 
-constexpr Configuration now = Configuration::current;
-
 // In units of the spacing of samples.
-constexpr Real search_step = 0.25;  // along the thread, for where it goes through the surface
-constexpr Real mouth_error =
-    1e-6;                        // of the abscissa of a mouth: nanometres, which press on nothing
-constexpr Real too_close = 0.5;  // as where a needle leaves the tissue
-constexpr Real grazing = 0.01;   // so far outside a point of the channel may be, by rounding
+constexpr Real mouth_error = 1e-6;  // of the abscissa of a mouth: nanometres, which press on nothing
+constexpr Real grazing = 0.01;      // so far outside a point of the channel may be, by rounding
 
 }  // namespace
 

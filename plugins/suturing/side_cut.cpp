@@ -7,11 +7,8 @@
 namespace sutura::suturing {
 namespace {
 
-constexpr Configuration now = Configuration::current;
-
-// In units of the spacing of samples.
-constexpr Real search_step = 0.25;  // along the thread, for where it goes through the surface
-constexpr Real search_least = 2;    // so far at least
+// Along the thread, for where it goes through the surface: so far at least, in spacings of samples.
+constexpr Real search_least = 2;
 
 /// A thread that leans by an angle a, and goes sideways, goes through the surface tan a times as
 /// far from there, along itself.

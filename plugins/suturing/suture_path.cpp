@@ -17,7 +17,7 @@ constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes ne
 constexpr std::uint64_t springs = (1ull << 38);         // names of springs are from here on
 
 // In units of the spacing of samples.
-constexpr Real too_close = 0.3;  // to the tip: rows that would repeat those of the end
+constexpr Real too_close_to_tip = 0.3;  // rows that would repeat those of the end
 constexpr Real shortest = 0.1;   // length that a sample stands for at least, so that its wall is
                                  // never softer than ten times the others
 
@@ -198,7 +198,7 @@ void SuturePath::detect(const StepContext& context) {
 
 /// So close that its rows would repeat those of the end of the channel.
 bool SuturePath::is_at_tip(const Crossing& c) const {
-  return channel_->samples()[c.sample].abscissa < too_close * spacing_;
+  return channel_->samples()[c.sample].abscissa < too_close_to_tip * spacing_;
 }
 
 /// What the end of the channel stands for, of the length from the tip to the sample beside it (m).
