@@ -11,9 +11,9 @@ namespace sutura::suturing {
 namespace {
 
 // In units of the spacing of samples.
-constexpr Real at_end = 0.02;       // a tip that is closer to the end of the channel is at its end
-constexpr Real longest = 1.5;       // channel between two samples: the last part before an exit
-constexpr Real lost = 2;            // a tip that is further past a sample went another way
+constexpr Real at_end = 0.02;  // a tip that is closer to the end of the channel is at its end
+constexpr Real longest = 1.5;  // channel between two samples: the last part before an exit
+constexpr Real lost = 2;       // a tip that is further past a sample went another way
 
 constexpr Real mouth = 2;  // in radii of the needle: from so far a tip slides into a mouth
 /// A curve that turns by less than half a circle is at most pi / 2 times as long as its chord.

@@ -11,7 +11,7 @@ namespace sutura::suturing {
 namespace {
 
 // In units of `reach`.
-constexpr Real arrived = 0.01;        // a tip that is closer to a front from inside stands at it
+constexpr Real arrived = 0.01;  // a tip that is closer to a front from inside stands at it
 
 constexpr Real rounding = 1e-6;  // of a force
 

@@ -8,10 +8,10 @@ namespace sutura::suturing {
 namespace {
 
 // In units of `reach`.
-constexpr Real well_inside = 0.01;    // one that is deeper than this has got in
-constexpr Real still_there = 1e-3;    // a tip that has slid no further than this has not slid
-constexpr Real behind = 0.1;          // from where, behind the tip, the front of a layer is sought
-constexpr Real found = 1e-6;          // and to which accuracy
+constexpr Real well_inside = 0.01;  // one that is deeper than this has got in
+constexpr Real still_there = 1e-3;  // a tip that has slid no further than this has not slid
+constexpr Real behind = 0.1;        // from where, behind the tip, the front of a layer is sought
+constexpr Real found = 1e-6;        // and to which accuracy
 // A tip without force is free if the surface is no further than so many times its gap.
 constexpr Real as_far = 2;
 

@@ -18,8 +18,8 @@ constexpr std::uint64_t springs = (1ull << 38);         // names of springs are 
 
 // In units of the spacing of samples.
 constexpr Real too_close_to_tip = 0.3;  // rows that would repeat those of the end
-constexpr Real shortest = 0.1;   // length that a sample stands for at least, so that its wall is
-                                 // never softer than ten times the others
+constexpr Real shortest = 0.1;  // length that a sample stands for at least, so that its wall is
+                                // never softer than ten times the others
 
 // In edges of the element at a sample: so far along the thread, either way, its force is spread.
 constexpr Real spread_over = 2;
