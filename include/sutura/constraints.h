@@ -215,9 +215,6 @@ class ConstraintSource {
   /// Of what `detect` has looked at: how much of the straight way from the start of the step to the
   /// guess may be gone, 1 if all of it. No guess goes further, whatever the solver finds.
   virtual Real free_way() const { return 1; }
-  /// Where the way is barred: do the rows take along what is in the way of a tool that comes? Then
-  /// a guess need not go back that gets further than the one before.
-  virtual bool takes_along() const { return false; }
   /// Appends blocks, with their violation at the current configuration of the bodies. The order of
   /// blocks must depend on nothing but the state.
   virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;

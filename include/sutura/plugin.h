@@ -10,7 +10,7 @@
 #include "sutura/diagnostics.h"
 #include "sutura/registry.h"
 
-#define SUTURA_ABI 11
+#define SUTURA_ABI 10
 
 // Everything that changes the layout of what crosses the boundary.
 #define SUTURA_TEXT_(x) #x

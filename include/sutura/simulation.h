@@ -195,11 +195,10 @@ class Simulation {
   void take_stretch(Real begin, Real length, Real due, Timer& timer);
   void begin_report();
   void record();
-  bool balance(StepContext context, bool may_divide, Timer& timer);
+  bool balance(StepContext context, Timer& timer);
   bool needs_first_order(const StepContext& context) const;
-  bool balance_in_first_order(StepContext context, bool may_divide, Timer& timer);
+  bool balance_in_first_order(StepContext context, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
-  bool went_whole_way() const;
   void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);
   void check_gaps();
@@ -235,13 +234,11 @@ class Simulation {
   std::vector<VecX> body_force_;      ///< of the constraints, per body (N, N m)
   std::vector<Imbalance> imbalance_;  ///< of the present guess, per body
   std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
-  std::vector<char> woken_;           ///< per body: rested in this step, and had to move again
   Real violation_ = 0;                ///< likewise
   std::unique_ptr<BetterGuess> better_guess_;
   std::unique_ptr<BestGuess> best_guess_;
   std::vector<VecX> motion_;          ///< memory of `detect`
   std::vector<VecX> free_motion_;     ///< to the last guess of the step that the way to is free
-  Real free_part_ = 1;                ///< of that way, where it is not
   std::string identity_;              ///< of scene, files and build: what a state must agree with
   GrowingVec lambda_change_;          ///< of the pass (N)
   const Component* asked_ = nullptr;  ///< the component at work

@@ -24,7 +24,6 @@ class Contact : public Component, public ConstraintSource {
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
   Real free_way() const override { return pair_->free_way(); }
-  bool takes_along() const override { return pair_->takes_along(); }
   bool knows_way() const override { return pair_->knows_way(); }
   std::string fault() const override;
 

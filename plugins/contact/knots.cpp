@@ -14,6 +14,7 @@ namespace {
 // of the knot, such as the loop of a suture.
 constexpr Real reach = 10;
 constexpr Index none = -1;
+constexpr std::size_t usual = 16;  // touches that hang together, at once: room from the start
 
 }  // namespace
 
@@ -94,6 +95,7 @@ void Knots::initialise(Setup& setup) {
   curve_ = contact_->own_curve();
   rigid_ = dynamic_cast<RigidStretches*>(curve_);
   if (rigid_ == nullptr) setup.error(*this, "'contact' is not one of a thread with itself");
+  for (auto* knots : {&knots_, &before_}) knots->reserve(usual);
 }
 
 Index Knots::body(const Knot& knot) const {

@@ -12,8 +12,6 @@ class ToolPair : public Pair {
   void tell_force(const Touch& touch, const Vec3& force) override {
     tool_.add_force(-force, touch.at);
   }
-  /// A tool does not wait for what is in its way.
-  bool takes_along() const override { return true; }
 
  protected:
   RigidTool& tool_;

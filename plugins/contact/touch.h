@@ -54,7 +54,7 @@ class Pair {
   /// Before the first `find` of a step, or of a part of one: where it starts is new.
   void begin_step() { start_is_known_ = false; }
   /// At the present guess. Where the straight way from the start of the step to it is barred,
-  /// `free_way` tells, and the touches are of no use but where the pair `takes_along`.
+  /// `free_way` tells, and the touches are of no use.
   /// What was touched before is a touch again while it is near: touches do not come and go with
   /// the passes of a step.
   virtual void find(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
@@ -63,8 +63,6 @@ class Pair {
   virtual bool find_again(Real /*first*/, Real /*second*/, Touch& /*touch*/) const { return false; }
   /// Of the last `find`: how much of that way is free.
   Real free_way() const { return free_way_; }
-  /// Where it is barred: are there touches all the same, where the two met?
-  virtual bool takes_along() const { return false; }
   /// Of the last `find`: false if that straight way may differ too much from where the two go, as
   /// one of them turns.
   bool knows_way() const { return knows_way_; }

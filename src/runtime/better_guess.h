@@ -27,8 +27,10 @@ class BetterGuess {
   explicit BetterGuess(const Bodies& bodies);
   /// The passes to come have nothing to do with those before: a new step, or an event.
   void forget();
-  /// Before a pass. `rests`: per body, the pass leaves it where it is.
-  void begin_pass(const std::vector<char>& rests);
+  /// Before a pass. `rests`: per body, the pass leaves it where it is. One that has rested and had
+  /// to move again rests no more: nothing is learnt from passes with and without it that take
+  /// turns.
+  void begin_pass(std::vector<char>& rests);
   /// After a pass that was not enough. True if passes contract slowly: then the bodies that took
   /// part in it have been moved on to a better guess.
   bool move_on(const StepContext& context);
@@ -45,8 +47,9 @@ class BetterGuess {
   const Bodies& bodies_;
   std::array<Pass, memory> passes_;  ///< the newest first
   std::size_t known_ = 0;
-  bool slow_ = false;        ///< since `forget`
-  std::vector<VecX> guess_;  ///< per body
+  std::vector<char> rested_, woken_;  ///< per body: in the pass before; and had to move again since
+  bool slow_ = false;                 ///< since `forget`
+  std::vector<VecX> guess_;           ///< per body
 };
 
 }  // namespace sutura

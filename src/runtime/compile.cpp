@@ -105,7 +105,6 @@ std::unique_ptr<Simulation> Simulation::compile(std::unique_ptr<Scene> scene,
       s->report_.bodies.push_back({.body = c->path(), .imbalance = {}, .work = {}});
       s->imbalance_.emplace_back();
       s->settled_.push_back(0);
-      s->woken_.push_back(0);
       s->body_force_.push_back(VecX::Zero(body->dofs()));
       s->motion_.push_back(VecX::Zero(body->dofs()));
       s->free_motion_.push_back(VecX::Zero(body->dofs()));

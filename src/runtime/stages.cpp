@@ -14,7 +14,6 @@ namespace sutura {
 namespace {
 
 constexpr Real at_once = 1e-6;  // of a step: 0.1 + 0.2 s is 0.3 s
-constexpr Real further = 0.01;  // of the way: so much more of it is free at a guess that gets on
 
 }  // namespace
 
@@ -74,7 +73,6 @@ Index Simulation::least_passes() const {
 /// A new step, or an event: the passes to come have nothing to do with those before.
 void Simulation::forget_passes() {
   std::fill(settled_.begin(), settled_.end(), 0);
-  std::fill(woken_.begin(), woken_.end(), 0);
   better_guess_->forget();
 }
 
@@ -95,35 +93,20 @@ void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
 
 /// What may touch at the present guess. Where a source finds the way to it barred, the guess goes
 /// back towards the last one whose way was free. Towards the start of the step, what is held would
-/// be torn from where it is held, and what the passes have found so far would be lost. A tool that
-/// comes may bar the way of all guesses so far: then it is enough to get further than the last one,
-/// by more than rounding.
+/// be torn from where it is held, and what the passes have found so far would be lost.
 void Simulation::detect(const StepContext& context) {
-  if (context.pass == 0) {
-    free_part_ = 1;
+  if (context.pass == 0)
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       ask(bodies_[i].body).motion(free_motion_[i]);
       free_motion_[i].setZero();
     }
-  }
   constexpr int most_looks = 8;
   for (int look = 0;; ++look) {
     for (ConstraintSource* source : sources_) ask(source).detect(context);
     Real part = 1;
-    bool goes_along = true;
-    for (ConstraintSource* source : sources_) {
-      const Real way = ask(source).free_way();
-      part = std::min(part, way);
-      goes_along = goes_along && (way >= 1 || source->takes_along());
-    }
-    if (part >= 1 || (goes_along && part > free_part_ + further)) {
-      free_part_ = part;
-      break;
-    }
-    if (look > most_looks) {
-      free_part_ = part;
-      return;
-    }
+    for (ConstraintSource* source : sources_) part = std::min(part, ask(source).free_way());
+    if (part >= 1) break;
+    if (look > most_looks) return;
     if (look == most_looks) part = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       ask(bodies_[i].body).motion(motion_[i]);
@@ -174,8 +157,7 @@ void Simulation::solve(ConstraintProblem& problem) {
 /// Momentum and violation of the present guess, with rows and forces as they are there. Where the
 /// gaps are good, a body well within the tolerance stays as it is in the next pass, which is for
 /// the others: often the thread alone, at a hundredth of the cost of the tissue. What changes of
-/// the forces on it counts in its balance. Where that makes it move again, it rests no more in this
-/// step: passes with and without it would take turns, and no better guess is learnt from both.
+/// the forces on it counts in its balance.
 bool Simulation::measure(const StepContext& context) {
   const StepLimits& limits = scene_->limits;
   violation_ = law_check_->measure(problem_).violation;
@@ -185,9 +167,7 @@ bool Simulation::measure(const StepContext& context) {
     constraint_force(i, problem_.lambda);
     imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);
     good = good && imbalance_[i].relative <= limits.tolerance;
-    const bool may_rest = close && imbalance_[i].relative <= limits.tolerance / 20;
-    woken_[i] = woken_[i] || (settled_[i] && !may_rest);
-    settled_[i] = may_rest && !woken_[i];
+    settled_[i] = close && imbalance_[i].relative <= limits.tolerance / 20;
     violation_ += 0 * imbalance_[i].relative;  // not finite if any is
   }
   return good;

@@ -9,7 +9,6 @@
 #include "runtime/best_guess.h"
 #include "runtime/better_guess.h"
 #include "runtime/failure.h"
-#include "runtime/progress.h"
 #include "runtime/step_division.h"
 #include "solve/idle_blocks.h"
 #include "solve/law_residual.h"
@@ -76,7 +75,7 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
                               .tolerance = scene_->limits.tolerance,
                               .early = std::max(Real(0), due - time)};
     finest = std::max(finest, division.parts());
-    const bool balanced = balance(context, division.may_divide(), timer), known = knows_ways();
+    const bool balanced = balance(context, timer), known = knows_ways();
     const bool solved = balanced && known && is_short_enough(context);
     // However well a guess is balanced, it is of no use where something may have gone through.
     constexpr Real no_use = std::numeric_limits<Real>::infinity();
@@ -92,37 +91,32 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
 }
 
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both
-/// as measured there. False if the passes do not get that far; where the step may be divided, it is
-/// given up as soon as they get no nearer.
-bool Simulation::balance(StepContext context, bool may_divide, Timer& timer) {
+/// as measured there. False if the passes do not get that far.
+bool Simulation::balance(StepContext context, Timer& timer) {
   // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
   for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   for (Driver* driver : drivers_) ask(driver).drive(context);
   for (const NamedBody& b : bodies_) ask(b.body).begin_step(context);
   build(context, timer);
-  if (needs_first_order(context)) return balance_in_first_order(context, may_divide, timer);
+  if (needs_first_order(context)) return balance_in_first_order(context, timer);
 
   forget_passes();
   best_guess_->forget();
   const Index least = least_passes();
   Index most = std::max(least, scene_->limits.passes);
   Index saddles = 0;
-  Progress progress;
   while (context.pass < most) {
     better_guess_->begin_pass(settled_);
     pass(context, timer);
     ++context.pass;
     ++report_.passes;
-    const bool whole = went_whole_way();
     build(context, timer);
-    if (needs_first_order(context)) return balance_in_first_order(context, may_divide, timer);
+    if (needs_first_order(context)) return balance_in_first_order(context, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) break;
     best_guess_->look(imbalance_, problem_.lambda);
-    if (whole) progress.add(times_tolerance(violation_, imbalance_, scene_->limits));
-    if (may_divide && progress.stands()) break;
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
@@ -137,17 +131,16 @@ bool Simulation::balance(StepContext context, bool may_divide, Timer& timer) {
     most += fired;
     report_.solve.events += fired;
     forget_passes();
-    progress.begin();
     if (fired > 0) continue;
     if (!leave_saddles()) {
-      return goes_on_as_before(context) || balance_in_first_order(context, may_divide, timer);
+      return goes_on_as_before(context) || balance_in_first_order(context, timer);
     }
     constexpr Index most_saddles = 16;
     if (++saddles > most_saddles) break;
     most += scene_->limits.passes;
     build(context, timer);
   }
-  if (context.order > 1) return balance_in_first_order(context, may_divide, timer);
+  if (context.order > 1) return balance_in_first_order(context, timer);
   end_with_best_guess(context, timer);
   return false;
 }
@@ -158,10 +151,10 @@ bool Simulation::needs_first_order(const StepContext& context) const {
   return context.order > 1 && problem_.rows() > 0;
 }
 
-bool Simulation::balance_in_first_order(StepContext context, bool may_divide, Timer& timer) {
+bool Simulation::balance_in_first_order(StepContext context, Timer& timer) {
   report_.order = context.order = 1;
   context.pass = 0;
-  return balance(context, may_divide, timer);
+  return balance(context, timer);
 }
 
 /// One linearisation of all that is not settled about the present guess, and the next guess.
@@ -203,13 +196,6 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
   timer.enter(Stage::correct);
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (!settled_[i]) ask(bodies_[i].body).correct(context);
-}
-
-/// False if a body took only a part of the way of the last pass, to go no further than it may.
-bool Simulation::went_whole_way() const {
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (!settled_[i] && bodies_[i].body->went_part_way()) return false;
-  return true;
 }
 
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.

@@ -15,8 +15,6 @@ class StepDivision {
   Index parts() const { return parts_; }
   /// Where the present part begins, in units of the step.
   Real begin() const { return static_cast<Real>(part_) / static_cast<Real>(parts_); }
-  /// If the present part is not solved, it is to be halved.
-  bool may_divide() const { return !is_last_try_ && 2 * parts_ <= most_; }
   /// Halves the present part. False if it cannot be any shorter.
   bool halve() {
     if (2 * parts_ > most_) return false;

@@ -47,8 +47,9 @@ Real left_after(int passes, const VecX& factors, bool with_help, int kind = 3) {
   const VecX end = VecX::LinSpaced(n, 1, 2);
   const StepContext context{.dt = 0.01, .time = 0, .step = 0, .gravity = Vec3::Zero()};
   Real left = 0;
+  std::vector<char> rests{0};
   for (int i = 0; i < passes; ++i) {
-    better.begin_pass({0});
+    better.begin_pass(rests);
     point.x = end + T * (point.x - end);
     left = (point.x - end).norm();
     if (with_help) better.move_on(context);
@@ -94,8 +95,9 @@ TEST(BetterGuess, LearnsNothingFromAPassThatWasTakenPartOfTheWay) {
   BetterGuess better(bodies);
   const StepContext context{.dt = 0.01, .time = 0, .step = 0, .gravity = Vec3::Zero()};
   const VecX end = VecX::Ones(3);
+  std::vector<char> rests{0};
   for (int i = 0; i < 6; ++i) {
-    better.begin_pass({0});
+    better.begin_pass(rests);
     point.part_way = i < 3;
     point.x += (point.part_way ? 0.1 : 1) * 2 * (end - point.x);
     const bool moved = better.move_on(context);
@@ -112,14 +114,32 @@ TEST(BetterGuess, ABodyThatRestsIsNotMoved) {
   const StepContext context{.dt = 0.01, .time = 0, .step = 0, .gravity = Vec3::Zero()};
   const VecX before = rests.x;
   bool moved = false;
+  std::vector<char> rest{0, 1};
   for (int i = 0; i < 4; ++i) {
-    better.begin_pass({0, 1});
+    better.begin_pass(rest);
     moves.x = -moves.x + VecX::Ones(3);
     moved = better.move_on(context) || moved;
   }
   EXPECT_TRUE(moved);
   EXPECT_EQ(rests.x, before);
   EXPECT_LT((moves.x - VecX::Constant(3, 0.5)).norm(), 1e-12);
+}
+
+TEST(BetterGuess, ABodyThatHasToMoveAgainRestsNoMore) {
+  Point first(3), second(3);
+  std::vector<Simulation::NamedBody> bodies{{"first", &first}, {"second", &second}};
+  BetterGuess better(bodies);
+  // What the balance would let rest, pass by pass, and what does.
+  const std::vector<std::vector<char>> may{{0, 1}, {1, 0}, {1, 1}, {0, 1}, {1, 1}};
+  const std::vector<std::vector<char>> does{{0, 1}, {1, 0}, {1, 0}, {0, 0}, {0, 0}};
+  for (int step = 0; step < 2; ++step) {
+    better.forget();
+    for (std::size_t i = 0; i < may.size(); ++i) {
+      std::vector<char> rests = may[i];
+      better.begin_pass(rests);
+      EXPECT_EQ(rests, does[i]) << step << ' ' << i;
+    }
+  }
 }
 
 }  // namespace

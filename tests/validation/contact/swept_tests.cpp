@@ -103,30 +103,6 @@ TEST(Swept, AFreeThreadIsPushedAheadAtAnyStep) {
     }
 }
 
-// Two boxes come along a free thread at 0.4 m/s, 2 mm in a step, and each bars the way of all
-// guesses that do not yet go along with both. They meet it in one step, and none has to be divided.
-TEST(Swept, TwoJawsTakeAThreadAlong) {
-  constexpr Real step = 0.005, time = 0.05, way = 0.02, half = 0.5e-3;
-  TextRun run =
-      scene(upright(Vec3::Zero()) + "<Track name='go' times='0 " + std::to_string(time) +
-                "' positions='0 0 0 " + std::to_string(way) + " 0 0'/>" +
-                "<Tool name='front' shape='box' size='1 4 1.5 mm' rounding='0.4 mm' "
-                "centre='-1 0 3 mm' motion='go'/>"
-                "<Tool name='back' shape='box' size='1 4 1.5 mm' rounding='0.4 mm' "
-                "centre='-1.4 0 -3 mm' motion='go'/>"
-                "<Contact name='on_front' tool='front'/><Contact name='on_back' tool='back'/>",
-            step);
-  while (run.simulation().time() < time - 1e-9) {
-    const StepReport& report = run.simulation().step();
-    EXPECT_FALSE(report.missed()) << report.step;
-    EXPECT_EQ(report.parts, 1) << report.step;
-  }
-  // It lies on both, and they are as far from its middle; its ends lean on by some hundredths.
-  const Vec3 tip = run.vector("/a", "tip_position"), end = run.vector("/a", "end_position");
-  const Real front = way - 1e-3 + half + r, back = way - 1.4e-3 + half + r;
-  EXPECT_NEAR((tip.x() + end.x()) / 2, (front + back) / 2, 0.05e-3);
-}
-
 // It cannot get out of the way. At any angle in a step, either way round, and about a point beside.
 TEST(Swept, AHeldThreadIsNotPassedInSilence) {
   for (const auto& blade : {mesh_blade, box_blade, capsule_blade})
