@@ -8,9 +8,8 @@ namespace sutura::suturing {
 namespace {
 
 // In units of the spacing of samples.
-constexpr Real mouth_error =
-    1e-6;                       // of the abscissa of a mouth: nanometres, which press on nothing
-constexpr Real grazing = 0.01;  // so far outside a point of the channel may be, by rounding
+constexpr Real mouth_error = 1e-6;  // of its abscissa: nanometres, which press on nothing
+constexpr Real grazing = 0.01;      // so far outside a point of the channel may be, by rounding
 
 }  // namespace
 

@@ -11,22 +11,20 @@ BetterGuess::BetterGuess(const Bodies& bodies) : bodies_(bodies) {
     p.rests.resize(bodies_.size());
   }
   guess_ = passes_[0].to;
-  rested_.assign(bodies_.size(), 0);
-  woken_ = rested_;
+  woken_.assign(bodies_.size(), 0);
 }
 
 void BetterGuess::forget() {
   known_ = 0;
   slow_ = false;
-  std::fill(rested_.begin(), rested_.end(), 0);
+  std::fill(passes_[0].rests.begin(), passes_[0].rests.end(), 0);
   std::fill(woken_.begin(), woken_.end(), 0);
 }
 
 void BetterGuess::begin_pass(std::vector<char>& rests) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    woken_[i] = woken_[i] || (rested_[i] && !rests[i]);
+    woken_[i] = woken_[i] || (passes_[0].rests[i] && !rests[i]);
     rests[i] = rests[i] && !woken_[i];
-    rested_[i] = rests[i];
   }
   if (known_ > 0 && passes_[0].rests != rests) known_ = 0;
   std::rotate(passes_.begin(), passes_.end() - 1, passes_.end());
@@ -72,7 +70,10 @@ bool BetterGuess::move_on(const StepContext& context) {
     bodies_[i].body->motion(newest.to[i]);
     whole = whole && !bodies_[i].body->went_part_way();
   }
-  if (!whole) known_ = 0, slow_ = false;  // its change is not what the pass asks for
+  if (!whole) {  // its change is not what the pass asks for
+    known_ = 0;
+    slow_ = false;
+  }
   if (known_ < 2) return false;
 
   const Real now = product(newest, newest), before = product(passes_[1], passes_[1]);

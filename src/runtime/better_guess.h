@@ -47,9 +47,9 @@ class BetterGuess {
   const Bodies& bodies_;
   std::array<Pass, memory> passes_;  ///< the newest first
   std::size_t known_ = 0;
-  std::vector<char> rested_, woken_;  ///< per body: in the pass before; and had to move again since
-  bool slow_ = false;                 ///< since `forget`
-  std::vector<VecX> guess_;           ///< per body
+  std::vector<char> woken_;  ///< per body: has rested since `forget`, and had to move again
+  bool slow_ = false;        ///< since `forget`
+  std::vector<VecX> guess_;  ///< per body
 };
 
 }  // namespace sutura
