@@ -29,7 +29,7 @@ Table run(const std::string& settings) {
 
 /// The puller lifts the needle straight up and the thread behind it slides through every bite: the
 /// force on the puller is mu p times the surface inside, whatever the corners. Asked is its mean
-/// within 5 %. Seen were 0.3, 1.6 and 3.1 % through one, two and three bites, and 8 % less or more
+/// within 5 %. Seen were 0.3, 1.5 and 3.0 % through one, two and three bites, and 8 % less or more
 /// in a single step: what is left is that of beams and samples at the mouths.
 void expect_pull_is_friction(const Table& t, double from, double to) {
   double sum = 0;
@@ -79,6 +79,7 @@ TEST(ThreeBites, TheThreadSlidesThroughAllOfThem) {
   expect_pull_is_friction(t, 13.55, 13.95);  // through three
 }
 
+// The pull through three bites is not asked here: with the default tolerance it is 6.0 % too large.
 TEST(ThreeBites, AreSewnWithLongSteps) {
   expect_sewn(run("--set .dt=20ms"));
 }
