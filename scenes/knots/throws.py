@@ -46,6 +46,7 @@ class Throw:
     pull    likewise, when the throw is tightened
     used    what the throw and what is in it take of the long strand; 1.6 * apart where it is left out
     took    likewise of the tail
+    height  of the hand and the jaws above the place, when they have been drawn apart; 1.1 * apart where it is left out
     end_of_tail  in the throw's own axes, where the tail does not lie as said, but is held somewhere
     bite    by how much the jaws go over the end of the tail, where they are two blades with a gap; then `end_of_tail` is
             where their tip comes to
@@ -58,7 +59,7 @@ class Throw:
 
     def __init__(self, place, apart, side=1, front=1, turns=1, long=50.0, tail=14.0, lean=30.0, beside=0.6, jaw=1.1,
                  give=1.0, slack=0.0, pull=10.0, took=2.4, end_of_tail=None, bite=0.0, slide=(0.7, 0.3), draw=0.0,
-                 used=None, closed=None, behind=5.0, tilt=0.0,
+                 used=None, height=None, closed=None, behind=5.0, tilt=0.0,
                  park=48.0, wind=(-3, -15, 10), start=0.0):
         self.place, self.apart, self.side, self.front = place, apart, side, front
         self.turns, self.long, self.tail, self.jaw = turns, long, tail, jaw
@@ -76,7 +77,7 @@ class Throw:
         self.as_it_lies = plus(self.from_here, unit((0, -aslant, 1)), long)
         self.wind(give, wind, park)
         self.take(give - slack)
-        self.tighten(pull, took, 1.6 * apart if used is None else used)
+        self.tighten(pull, took, 1.6 * apart if used is None else used, 1.1 * apart if height is None else height)
 
     def key(self, seconds, hand, tip, what):
         """So many seconds later the hand and the tip are there, in the throw's own axes: x from the tail to the long
@@ -140,9 +141,8 @@ class Throw:
             self.key(0.8 / len(self.slide), self.taut(loop, self.wound, towards, give), tip, "the loop slides along the tail")
         self.let_go = self.time + 0.2
 
-    def tighten(self, pull, took, used):
+    def tighten(self, pull, took, used, height):
         """The knot lies a thread's radius or two above the place."""
-        height = 1.1 * self.apart
         hand, tip = used - self.long, self.tail - took
         self.key(0.4, (hand + 2, 0, 2 * height), (tip - 1.2, 0, 2 * height), "both are drawn apart")
         self.key(0.4, (hand, 0, height), (tip - 1.2, 0, height), "both are drawn apart")

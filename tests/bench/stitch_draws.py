@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""stitch_draws.py SUTURA [--draws 1-20] [--jobs N] [--dt MS] [--until S] [--limit S] [--out DIR]: ties the stitch of scenes/suture/interrupted.xml
-with ways of hands and jaws that have been moved at random, and counts how many are tied.
+"""stitch_draws.py SUTURA [--scene interrupted] [--draws 1-20] [--jobs N] [--dt MS] [--until S] [--limit S] [--out DIR]: ties the stitch of
+scenes/suture/interrupted.xml, or the running suture of running_tied.xml, with ways of hands and jaws that have been moved at random, and
+counts how many are tied.
 
 Every key frame of every instrument is moved by up to 0.5 mm along each axis and turned by up to 3 degrees, by itself; besides, all of
 them are turned by up to 3 degrees about the place of the stitch. The two blades of a pair of jaws move as one. Draw 0 moves nothing.
@@ -17,7 +18,22 @@ import subprocess
 import tempfile
 
 SUTURE = pathlib.Path(__file__).resolve().parents[2] / "scenes" / "suture"
-INSTRUMENTS = {"hand": [], "tail": [], "assistant": [], "jaws": ["_front", "_back"], "other_jaws": ["_front", "_back"]}
+BLADES = ["_front", "_back"]
+HANDS = {"hand": [], "tail": [], "assistant": [], "jaws": BLADES, "other_jaws": BLADES}
+
+
+class Task:
+    """A scene: its instruments, until when it runs (s), when which jaws should have the tail, how many throws are tied, which gaps they
+    close, and when each is tight."""
+
+    def __init__(self, name, instruments, until, catches, gaps, tight):
+        self.name, self.instruments, self.until, self.catches = name, instruments, until, catches
+        self.throws, self.gaps, self.tight = len(catches), gaps, tight
+
+
+TASKS = {task.name: task for task in (
+    Task("interrupted", HANDS, 22.5, [("tips", 8.6), ("other_tips", 14), ("tips", 19.3)], ["gap"], (10.4, 15.8, 21.2)),
+    Task("running_tied", HANDS | {"over": []}, 38.35, [("tips", 29.6), ("other_tips", 35)], ["gap_1", "gap_2", "gap_3"], (31.4, 36.8)))}
 MOVE, TURN = 0.5, math.radians(3)  # mm
 
 
@@ -58,11 +74,11 @@ def read(path):
     return rows[0], [[float(x) for x in row] for row in rows[1:]]
 
 
-def moved_ways(draw, folder):
+def moved_ways(task, draw, folder):
     """Writes all tables anew into the folder."""
     common = ball(draw, TURN)
-    for name, parts in INSTRUMENTS.items():
-        head, keys = read(SUTURE / f"interrupted_{name}.csv")
+    for name, parts in task.instruments.items():
+        head, keys = read(SUTURE / f"{task.name}_{name}.csv")
         at = [key[0] for key in keys]
         moves = [([draw.uniform(-MOVE, MOVE) for _ in range(3)], ball(draw, TURN)) for _ in keys]
 
@@ -75,9 +91,9 @@ def moved_ways(draw, folder):
 
         middles = [[key[1:4]] for key in keys]
         for part in ["", *parts]:
-            with open(folder / f"interrupted_{name}{part}.csv", "w") as out:
+            with open(folder / f"{task.name}_{name}{part}.csv", "w") as out:
                 print(", ".join(x.strip() for x in head), file=out)
-                for key in read(SUTURE / f"interrupted_{name}{part}.csv")[1]:
+                for key in read(SUTURE / f"{task.name}_{name}{part}.csv")[1]:
                     move, turn = between(moves, key[0])
                     middle, = between(middles, key[0])
                     arm = turned(turn, [x - m for x, m in zip(key[1:4], middle)])
@@ -90,12 +106,13 @@ def moved_ways(draw, folder):
 
 
 def run(sutura, number, options):
+    task = TASKS[options.scene]
     folder = pathlib.Path(tempfile.mkdtemp(prefix=f"draw_{number}_", dir=options.out))
-    for path in SUTURE.glob("interrupted*"):
+    for path in SUTURE.glob(f"{task.name}*"):
         shutil.copy(path, folder)
     if number:
-        moved_ways(random.Random(number), folder)
-    command = [sutura, "run", folder / "interrupted.xml", "--output", folder / "out", "--duration", f"{options.until} s",
+        moved_ways(task, random.Random(number), folder)
+    command = [sutura, "run", folder / f"{task.name}.xml", "--output", folder / "out", "--duration", f"{options.until or task.until} s",
                "--set", f".dt={options.dt} ms", "--set", "/vtu_recorder.interval=100 s"]
     try:
         code = subprocess.run(command, capture_output=True, timeout=options.limit).returncode
@@ -112,10 +129,9 @@ def run(sutura, number, options):
         return float(columns[name][bisect.bisect_right(time, t) - 1]) if t <= time[-1] else math.nan
 
     # Have the jaws caught the tail for each throw, and how far apart are the lips when it is tight?
-    caught = "".join("-" if math.isnan(n) else str(int(n > 0)) for n in (at("tips.pieces", 8.6), at("other_tips.pieces", 14), at("tips.pieces", 19.3)))
-    gaps = [at("gap.distance", t) for t in (10.4, 15.8, 21.2)]
-    ended = {name: float(columns[name][-1]) for name in ("time", "tight.throws", "tight.crossings", "gap.distance", "suture.cuts",
-                                                         "puncture.punctures")}
+    caught = "".join("-" if math.isnan(n) else str(int(n > 0)) for n in (at(f"{jaws}.pieces", t) for jaws, t in task.catches))
+    gaps = [max(at(f"{gap}.distance", t) for gap in task.gaps) for t in (*task.tight, time[-1])]
+    ended = {name: float(columns[name][-1]) for name in ("time", "tight.throws", "tight.crossings", "suture.cuts", "puncture.punctures")}
     return {"draw": number, "code": code, "steps": len(rows), "missed": sum(float(x) == 0 for x in columns["solved"]),
             "passes": sum(map(float, columns["passes"])) / len(rows), "caught": caught, "gaps": gaps, **ended}
 
@@ -123,10 +139,11 @@ def run(sutura, number, options):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("sutura")
+    parser.add_argument("--scene", choices=TASKS, default="interrupted")
     parser.add_argument("--draws", default="1-20")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--dt", type=float, default=4)
-    parser.add_argument("--until", type=float, default=22.5)
+    parser.add_argument("--until", type=float, default=None)
     parser.add_argument("--limit", type=float, default=1e6, help="time that a run may take (s); its exit code is then -1")
     parser.add_argument("--out", default=None)
     options = parser.parse_args()
@@ -136,9 +153,9 @@ if __name__ == "__main__":
     tied = 0
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for r in pool.map(lambda number: run(options.sutura, number, options), numbers):
-            is_tied = r["code"] in (0, 5) and r["tight.throws"] == 3 and r["gap.distance"] < 0.5e-3
+            is_tied = r["code"] in (0, 5) and r["tight.throws"] == TASKS[options.scene].throws and r["gaps"][-1] < 0.5e-3
             tied += is_tied
             print(f"{r['draw']:4}  {r['code']:4}  {r['time']:6.2f} s  {r['steps']:5}  {r['missed']:6}  {r['passes']:6.2f}"
                   f"  {r['puncture.punctures']:9.0f}  {r['caught']:>6}  {r['suture.cuts']:4.0f}  {r['tight.throws']:6.0f}  {r['tight.crossings']:9.0f}"
-                  f"  {' '.join(f'{1e3 * x:.3f}' for x in [*r['gaps'], r['gap.distance']])}  {'tied' if is_tied else ''}", flush=True)
-    print(f"{tied} of {len(numbers)} end with three throws and a gap below 0.5 mm")
+                  f"  {' '.join(f'{1e3 * x:.3f}' for x in r['gaps'])}  {'tied' if is_tied else ''}", flush=True)
+    print(f"{tied} of {len(numbers)} end with all their throws and a gap below 0.5 mm")
