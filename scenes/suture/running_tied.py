@@ -10,7 +10,7 @@ import math
 import pathlib
 import sys
 
-from interrupted import blades, laid_over, round_the_knot
+from interrupted import blades, ends_slack, laid_over, round_the_knot
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "knots"))
@@ -216,14 +216,11 @@ if __name__ == "__main__":
     let_go, cut = one.end + 0.85, two.end + 0.55
 
     taken = [(t, *HAND, "the hand takes the strand") for t in (sewing.end, start - 0.05)]
-    x, y, z = two.hand[-1][1:4]
-    leave = [(two.end + 0.2, x, y, z, "the hand gives way"), (two.end + 0.45, x - 1.2, y, z, "the hand gives way"),
-             (cut, x - 1.2, y, z, "the ends are cut, and all go away"), (cut + 0.4, 70, 0, 20, "the ends are cut, and all go away")]
-    table(HERE / "running_tied_hand.csv", taken + one.hand + round_the_knot(one, two, (-1.5, 0.5, 1)) + two.hand + leave)
+    give_way = ends_slack(two.end + 0.15, cut)
+    table(HERE / "running_tied_hand.csv", taken + one.hand + round_the_knot(one, two, (-1.5, 0.5, 1)) + two.hand + give_way(two.hand, -5, (70, 0, 20)))
     blades("running_tied_jaws", [(one, [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"),
                                         (let_go + 0.3, 45, 0, 10, "the jaws go away")])])
-    blades("running_tied_other_jaws", [(two, [(cut, *two.jaws[-1][1:4], "the ends are cut, and all go away"),
-                                              (cut + 0.4, -45, 0, 15, "the ends are cut, and all go away")])])
+    blades("running_tied_other_jaws", [(two, give_way(two.jaws, 1, (-45, 0, 15)))])
     table(HERE / "running_tied_over.csv", laid_over(let_go, 1, HELD_2, RADIUS_2, two.touch + 0.1))
     table(HERE / "running_tied_tail.csv", sewing.tail + [
         (start, *sewing.tail[-1][1:4], "and is laid over"), (start + 0.4, -8, 9, 18.5, "and is laid over"),

@@ -1,9 +1,9 @@
 // A closed line of few corners that is knotted as a closed line of many is.
 #pragma once
 
-#include "sutura/types.h"
-
 #include <vector>
+
+#include "sutura/types.h"
 
 namespace sutura::testing {
 

@@ -1,5 +1,5 @@
-// A running suture (scenes/suture/running_tied.xml): five bites of one needle, its ends tied to each
-// other over the wound by a surgeon's throw and one more (2 = 1), and cut.
+// A running suture (scenes/suture/running_tied.xml): five bites of one needle, its ends tied to
+// each other over the wound by a surgeon's throw and one more (2 = 1), and cut.
 #include <gtest/gtest.h>
 
 #include "scenes/text_run.h"
