@@ -94,16 +94,6 @@ def round_the_knot(before, after, middle):
     return [(t0 + u * (t1 - t0), *at, "the strand is drawn to the front") for u, at in swing(begin, end, middle, 5)]
 
 
-def ends_slack(start, cut):
-    """Keys of a hand or jaws that give way before the ends are cut, and go away: ends that are cut taut spring back, and the knot may
-    open."""
-    def give_way(way, by, away):
-        x, y, z = way[-1][1:4]
-        return [(start, x, y, z, "hand and jaws give way"), (start + 0.25, x + by, y, z, "hand and jaws give way"),
-                (cut, x + by, y, z, "the ends are cut, and all go away"), (cut + 0.4, *away, "the ends are cut, and all go away")]
-    return give_way
-
-
 if __name__ == "__main__":
     one = Throw(place=(0, 0, 0), apart=APART, turns=2, long=LONG, tail=TAIL - APART, give=0.5, pull=5.0, used=5.0,
                 took=2.0, end_of_tail=TAKEN, slide=[1.6 - 0.13 * i for i in range(11)], start=5.4, **JAWS)
@@ -116,13 +106,17 @@ if __name__ == "__main__":
     let_go, let_go_2, cut = one.end + 0.85, two.end + 0.85, three.end + 0.55
 
     taken = [(t, *HAND, "the hand takes the strand") for t in (5.2, 5.35)]
-    give_way = ends_slack(three.end + 0.2, cut)
+    x, y, z = three.hand[-1][1:4]
+    eased = (x + 1.2, y, z)
+    leave = [(three.end + 0.2, x, y, z, "the hand gives way"), (three.end + 0.45, *eased, "the hand gives way"),
+             (cut, *eased, "the ends are cut, and all go away"), (cut + 0.4, -70, 0, 20, "the ends are cut, and all go away")]
     table(HERE / "interrupted_hand.csv", taken + one.hand + round_the_knot(one, two, (0, 0, 0.5)) + two.hand +
-          round_the_knot(two, three, (0, 0, 0.9)) + three.hand + give_way(three.hand, 4, (-70, 0, 20)))
+          round_the_knot(two, three, (0, 0, 0.9)) + three.hand + leave)
 
     blades("interrupted_jaws", [(one, [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"),
                                        (let_go + 0.3, 45, 0, 10, "the jaws go away")]),
-                                (three, give_way(three.jaws, -1, (45, 0, 15)))])
+                                (three, [(cut, *three.jaws[-1][1:4], "the ends are cut, and all go away"),
+                                         (cut + 0.4, 45, 0, 15, "the ends are cut, and all go away")])])
     blades("interrupted_other_jaws", [(two, [(let_go_2 + 0.02, *two.jaws[-1][1:4], "the jaws let go"),
                                              (let_go_2 + 0.3, -45, 0, 10, "the jaws go away")])])
     table(HERE / "interrupted_assistant.csv", laid_over(let_go, 1, HELD_2, RADIUS_2, two.touch + 0.1) +

@@ -10,7 +10,7 @@ import math
 import pathlib
 import sys
 
-from interrupted import blades, ends_slack, laid_over, round_the_knot
+from interrupted import blades, laid_over, round_the_knot
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "knots"))
@@ -216,7 +216,12 @@ if __name__ == "__main__":
     let_go, cut = one.end + 0.85, two.end + 0.55
 
     taken = [(t, *HAND, "the hand takes the strand") for t in (sewing.end, start - 0.05)]
-    give_way = ends_slack(two.end + 0.15, cut)
+    def give_way(way, by, away):
+        """The ends are nearly slack when they are cut: cut taut, they spring back, and the knot may open."""
+        x, y, z = way[-1][1:4]
+        return [(two.end + 0.15, x, y, z, "hand and jaws give way"), (two.end + 0.4, x + by, y, z, "hand and jaws give way"),
+                (cut, x + by, y, z, "the ends are cut, and all go away"), (cut + 0.4, *away, "the ends are cut, and all go away")]
+
     table(HERE / "running_tied_hand.csv", taken + one.hand + round_the_knot(one, two, (-1.5, 0.5, 1)) + two.hand + give_way(two.hand, -5, (70, 0, 20)))
     blades("running_tied_jaws", [(one, [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"),
                                         (let_go + 0.3, 45, 0, 10, "the jaws go away")])])
