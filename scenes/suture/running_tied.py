@@ -87,9 +87,9 @@ class Sewing:
         self.holder[1].append(pierced + 0.15)
         if bite == 0:  # a hand lets the end of the thread follow
             slack = 0.93
-            for time, at in ((start, LAID_OUT), (pierced, plus(mouth(0, 1), BEHIND, slack * THREAD)),
-                             (turned_out, plus(mouth(0, 1), BEHIND, slack * (THREAD - 11))), (self.end, plus(mouth(0, 1), BEHIND, TAIL))):
-                self.tail.append((time, *at, "the tail follows"))
+            self.tail.append((start, *LAID_OUT, "the tail follows"))
+            for time, far in ((pierced, slack * THREAD), (turned_out, slack * (THREAD - 11)), (self.end, TAIL)):
+                self.tail.append((time, *plus(mouth(0, 1), BEHIND, far), "the tail follows"))
 
     def go_on(self, bite):
         """The assistant takes the strand in its middle and holds it aside, until the needle has gone through the next bite; the needle
@@ -106,6 +106,12 @@ class Sewing:
         self.aside += [(taut, *middle, "the assistant takes the strand"), (taut + 0.2, *middle, "the assistant takes the strand"),
                        (over, *aside, "and holds it aside"), (over + 2.45, *aside, "and holds it aside")]
         self.end = over
+
+
+def gives_way(way, by, rest, seconds):
+    """Keys of a hand or of jaws that rest where their way ends, with a throw drawn tight, and then go so far along x."""
+    t, x, y, z = way[-1][:4]
+    return [(t + rest, x, y, z, "the throw is tight")] * (rest > 0) + [(t + rest + seconds, x + by, y, z, "hand or jaws give way")]
 
 
 def words(numbers):
@@ -211,21 +217,19 @@ if __name__ == "__main__":
     two = Throw(place=(0, 0, 1.0), apart=0.3, side=-1, long=LONG_2, tail=TAIL_2, beside=0.1, give=0.5, pull=4.0,
                 used=3.5, took=1.0, end_of_tail=TAKEN_2, slide=[1.7 - 0.08 * i for i in range(18)], draw=2.0,
                 wind=(-3, -23, 16), start=one.end + 0.3, **JAWS)
-    t, x, y, z, _ = one.hand[-1]
-    one.hand.append((t + 0.2, x + 3, y, z, "the hand gives way"))
     let_go, cut = one.end + 0.85, two.end + 0.55
+    away = "the ends are cut, and all go away"
 
     taken = [(t, *HAND, "the hand takes the strand") for t in (sewing.end, start - 0.05)]
-    def give_way(way, by, away):
-        """The ends are nearly slack when they are cut: cut taut, they spring back, and the knot may open."""
-        x, y, z = way[-1][1:4]
-        return [(two.end + 0.15, x, y, z, "hand and jaws give way"), (two.end + 0.4, x + by, y, z, "hand and jaws give way"),
-                (cut, x + by, y, z, "the ends are cut, and all go away"), (cut + 0.4, *away, "the ends are cut, and all go away")]
-
-    table(HERE / "running_tied_hand.csv", taken + one.hand + round_the_knot(one, two, (-1.5, 0.5, 1)) + two.hand + give_way(two.hand, -5, (70, 0, 20)))
+    one.hand += gives_way(one.hand, 3, 0, 0.2)  # drawn tight and swung round at the same time, two turns are hard to solve
+    leave = gives_way(two.hand, -5, 0.15, 0.25)  # cut taut, the ends would spring back, and the knot might open
+    leave += [(cut, *leave[-1][1:4], away), (cut + 0.4, 70, 0, 20, away)]
+    table(HERE / "running_tied_hand.csv", taken + one.hand + round_the_knot(one, two, (-1.5, 0.5, 1)) + two.hand + leave)
     blades("running_tied_jaws", [(one, [(let_go + 0.02, *one.jaws[-1][1:4], "the jaws let go"),
                                         (let_go + 0.3, 45, 0, 10, "the jaws go away")])])
-    blades("running_tied_other_jaws", [(two, give_way(two.jaws, 1, (-45, 0, 15)))])
+    leave = gives_way(two.jaws, 1, 0.15, 0.25)
+    leave += [(cut, *leave[-1][1:4], away), (cut + 0.4, -45, 0, 15, away)]
+    blades("running_tied_other_jaws", [(two, leave)])
     table(HERE / "running_tied_over.csv", laid_over(let_go, 1, HELD_2, RADIUS_2, two.touch + 0.1))
     table(HERE / "running_tied_tail.csv", sewing.tail + [
         (start, *sewing.tail[-1][1:4], "and is laid over"), (start + 0.4, -8, 9, 18.5, "and is laid over"),
