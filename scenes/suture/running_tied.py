@@ -111,7 +111,8 @@ class Sewing:
 def gives_way(way, by, rest, seconds):
     """Keys of a hand or of jaws that rest where their way ends, with a throw drawn tight, and then go so far along x."""
     t, x, y, z = way[-1][:4]
-    return [(t + rest, x, y, z, "the throw is tight")] * (rest > 0) + [(t + rest + seconds, x + by, y, z, "hand or jaws give way")]
+    keys = [(t + rest, x, y, z, "the throw is tight"), (t + rest + seconds, x + by, y, z, "hand or jaws give way")]
+    return keys if rest else keys[1:]
 
 
 def words(numbers):
