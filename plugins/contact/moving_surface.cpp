@@ -50,6 +50,7 @@ void MovingSurface::learn_thickness(const TriangleSurface& rest) {
     return box;
   });
   const Real through = (all.high - all.low).norm();
+  const Real nowhere = 1e-3 * edge_length_;  // the other wall of a cut that is closed, not of t
   for (Index t = 0; t < rest.size(); ++t) {
     const Corners c = rest.corners(t);
     const Vec3 middle = (c[0] + c[1] + c[2]) / 3, inwards = -rest.area_normal(t).normalized();
@@ -61,7 +62,8 @@ void MovingSurface::learn_thickness(const TriangleSurface& rest) {
           // The other side: what looks the way that the ray goes.
           if (other == t || rest.area_normal(other).dot(inwards) <= 0) return;
           const SegmentTriangle met = closest_points(ray, rest.corners(other));
-          if (met.squared_distance == 0) nearest = std::min(nearest, met.s * through);
+          if (met.squared_distance != 0 || met.s * through <= nowhere) return;
+          nearest = std::min(nearest, met.s * through);
         });
     thickness_.push_back(nearest);
   }

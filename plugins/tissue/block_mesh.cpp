@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cut_mesh.h"
+
 namespace sutura::tissue {
 
 namespace {
@@ -28,11 +30,12 @@ void drop_unused(MeshData& mesh) {
 void BlockMesh::describe(Describe<BlockMesh>& d) {
   d.summary(
       "A tetrahedral mesh of a block, made from its corners: a box, or any body with six faces, "
-      "with or without holes.");
+      "with or without holes and cuts.");
   d.theory(
       "The block is cut into cells and each cell into six tetrahedra around the diagonal from its "
       "lowest to its highest corner (Kuhn). With `corners` a point at the shares *a, b, c* of the "
-      "three directions is the trilinear mean of the eight. All of it is one region, number 0.");
+      "three directions is the trilinear mean of the eight. All of it is one region, number 0. "
+      "Along a cut the nodes are there twice, but where it ends within the block.");
   d.attribute("box", &BlockMesh::box, "m", any(), "Two opposite corners of a box.");
   d.attribute("corners", &BlockMesh::corners, "m", any(),
               "Eight corners instead: the first runs fastest along direction 1, then 2, then 3.");
@@ -41,6 +44,9 @@ void BlockMesh::describe(Describe<BlockMesh>& d) {
       .required();
   d.attribute("holes", &BlockMesh::holes, "m", any(),
               "Boxes, two corners each: cells whose middle lies in one are left out.");
+  d.attribute("cuts", &BlockMesh::cuts, "m", any(),
+              "Flat boxes, two corners each: sides of cells that lie in one are cut open, without "
+              "a gap. A Contact of the tissue with itself keeps the walls apart.");
   d.output("nodes", "1", "Number of nodes.",
            [](const BlockMesh& m) -> Real { return static_cast<Real>(m.data().points.size()); });
   d.output("tets", "1", "Number of tetrahedra.",
@@ -59,6 +65,9 @@ void BlockMesh::initialise(Setup& setup) {
   if (holes.size() % 6 != 0)
     return setup.error(*this, "'holes' has " + std::to_string(holes.size()) +
                                   " numbers, expected 6 for each hole: two corners");
+  if (cuts.size() % 6 != 0)
+    return setup.error(*this, "'cuts' has " + std::to_string(cuts.size()) +
+                                  " numbers, expected 6 for each cut: two corners");
   std::array<Index, 3> n{};
   Real tets = 6;
   if (cells.size() != 3)
@@ -85,7 +94,28 @@ void BlockMesh::initialise(Setup& setup) {
     return setup.error(*this, "'box' is flat: its two corners must differ in x, y and z");
   MeshData mesh = build(corner, n);
   if (mesh.tets.empty()) return setup.error(*this, "'holes' leave nothing of the block");
+  if (const std::string wrong = open_cuts(mesh); !wrong.empty()) return setup.error(*this, wrong);
   take(std::move(mesh), "the block", setup);
+}
+
+std::string BlockMesh::open_cuts(MeshData& mesh) const {
+  for (std::size_t c = 0; c < cuts.size(); c += 6) {
+    const Vec3 a(cuts[c], cuts[c + 1], cuts[c + 2]), b(cuts[c + 3], cuts[c + 4], cuts[c + 5]);
+    const std::string number = "'cuts', number " + std::to_string(c / 6 + 1) + ", ";
+    const Vec3 size = (a - b).cwiseAbs();
+    constexpr Real rounding = 1e-6;
+    const Real near = rounding * size.maxCoeff();
+    if (size.minCoeff() > near) return number + "is not flat; 'holes' are what has a thickness";
+    const Index faces = cut_open(mesh, [&](const std::array<Vec3, 3>& face) {
+      return std::all_of(face.begin(), face.end(), [&](const Vec3& p) {
+        return ((p - a.cwiseMin(b)).array() >= -near).all() &&
+               ((a.cwiseMax(b) - p).array() >= -near).all();
+      });
+    });
+    if (faces == 0)
+      return number + "holds no side of a cell; it must lie between cells, see 'cells'";
+  }
+  return {};
 }
 
 MeshData BlockMesh::build(const std::array<Vec3, 8>& corner, const std::array<Index, 3>& n) const {

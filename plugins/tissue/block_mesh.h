@@ -11,12 +11,15 @@ class BlockMesh : public TetMesh {
   std::vector<Real> corners;  ///< m: eight corners, instead
   std::vector<Real> cells;
   std::vector<Real> holes;  ///< m: boxes, two corners each
+  std::vector<Real> cuts;   ///< m: flat boxes, two corners each
 
   static void describe(Describe<BlockMesh>& d);
   void initialise(Setup& setup) override;
 
  private:
   MeshData build(const std::array<Vec3, 8>& corner, const std::array<Index, 3>& n) const;
+  /// What is wrong with a cut: a sentence, or empty.
+  std::string open_cuts(MeshData& mesh) const;
 };
 
 }  // namespace sutura::tissue

@@ -82,6 +82,7 @@ void count_duplicates(const MeshData& mesh, MeshReport& report) {
     return std::array<Real, 3>{p.x(), p.y(), p.z()};
   };
   std::sort(order.begin(), order.end(), [&](Index a, Index b) { return key(a) < key(b); });
+  report.duplicate_nodes = -mesh.copied_nodes;
   for (std::size_t k = 1; k < order.size(); ++k)
     if (key(order[k]) == key(order[k - 1])) ++report.duplicate_nodes;
 }

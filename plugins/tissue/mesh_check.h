@@ -18,10 +18,10 @@ struct BoundaryFace {
 struct MeshReport {
   Index reoriented = 0;    ///< tets whose nodes were listed in the opposite sense
   Index unused_nodes = 0;  ///< removed
-  Index duplicate_nodes =
-      0;              ///< nodes at the very place of another one: the mesh may come apart there
-  Index parts = 0;    ///< pieces that share no face, edge or node
-  Index slivers = 0;  ///< tets of quality below 0.05
+  /// Nodes at the very place of another one, but for those of cuts: the mesh may come apart there.
+  Index duplicate_nodes = 0;
+  Index parts = 0;         ///< pieces that share no face, edge or node
+  Index slivers = 0;       ///< tets of quality below 0.05
   Real worst_quality = 1;  ///< 6 sqrt(2) V / (rms edge)^3: 1 for the regular tet, 0 for a flat one
   Index worst_tet = -1;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< bounding box (m)

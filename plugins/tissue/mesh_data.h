@@ -19,6 +19,7 @@ struct MeshData {
   std::vector<Tet> tets;
   std::vector<int> region;                  ///< one tag per tet; 0 where the file gives none
   std::map<int, std::string> region_names;  ///< of the tags that have one
+  Index copied_nodes = 0;                   ///< that a cut has put where another one is
 };
 
 /// From the first corner of a tet to the three others, as columns (m).

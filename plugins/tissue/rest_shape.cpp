@@ -20,7 +20,8 @@ struct MeshKey {
   bool operator==(const MeshKey& other) const {
     return assumed_metres == other.assumed_metres && same_bits(mesh.points, other.mesh.points) &&
            same_bits(mesh.tets, other.mesh.tets) && mesh.region == other.mesh.region &&
-           mesh.region_names == other.mesh.region_names;
+           mesh.region_names == other.mesh.region_names &&
+           mesh.copied_nodes == other.mesh.copied_nodes;
   }
 };
 

@@ -177,6 +177,37 @@ std::optional<EmbeddedPoint> SolidQueries::locate(const Vec3& p) const {
   return best;
 }
 
+/// Is p within an element that has not this corner, or on the border of one?
+bool SolidQueries::is_in_others(Index corner, const Vec3& p) const {
+  constexpr Real rounding = 1e-9;
+  bool found = false;
+  topology_->tet_tree_.visit(
+      tet_boxes_, [&](const Box& box) { return !found && box.squared_distance(p) == 0; },
+      [&](Index e) {
+        const Tet& t = topology_->tets_[e];
+        if (found || std::find(t.begin(), t.end(), corner) != t.end()) return;
+        const Vec3 a = point(t[0]), b = point(t[1]), c = point(t[2]), d = point(t[3]);
+        const Real least = -rounding * six_volume(a, b, c, d);
+        found = six_volume(p, b, c, d) >= least && six_volume(a, p, c, d) >= least &&
+                six_volume(a, b, p, d) >= least && six_volume(a, b, c, p) >= least;
+      });
+  return found;
+}
+
+std::optional<SurfacePoint> SolidQueries::deepest_in_itself(Real slack) const {
+  fit_tets();
+  fit_triangles();
+  std::optional<SurfacePoint> deepest;
+  for (Index i = 0; i < static_cast<Index>(vertex_normal_.size()); ++i) {
+    const Vec3 outward = unit(vertex_normal_[i]);  // zero: not of the boundary
+    if (outward.isZero(0) || !is_in_others(i, point(i) + slack * outward)) continue;
+    const auto behind = closest_surface(point(i), std::numeric_limits<Real>::max(), -outward);
+    if (!behind || !(behind->distance < 0)) continue;
+    if (!deepest || behind->distance < deepest->distance) deepest = behind;
+  }
+  return deepest;
+}
+
 /// Of no direction (zero), true for every triangle.
 bool SolidQueries::faces(Index triangle, const Vec3& direction) const {
   return direction.isZero(0) || surface_normal(triangle).dot(direction) > 0;

@@ -67,10 +67,15 @@ class SolidQueries {
   std::optional<SurfacePoint> crossing(const Vec3& a, const Vec3& b,
                                        const Vec3& facing = Vec3::Zero()) const;
   Vec3 surface_normal(Index triangle) const;
+  /// The node of the boundary that is deepest in elements that it is no corner of, behind the
+  /// nearest triangle that faces it: a point of that triangle, whose distance is negative. It is in
+  /// them if what is by `slack` before it is; an edge across another is not seen.
+  std::optional<SurfacePoint> deepest_in_itself(Real slack) const;
   Vec3 position(const EmbeddedPoint& p) const;
 
  private:
   bool faces(Index triangle, const Vec3& direction) const;
+  bool is_in_others(Index node, const Vec3& p) const;
   Vec3 point(Index node) const { return x_->segment<3>(3 * node); }
   std::array<Vec3, 3> corners(Index triangle) const;
   SurfacePoint on_triangle(Index triangle, const Vec3& weights) const;

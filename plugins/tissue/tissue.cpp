@@ -137,6 +137,15 @@ bool Tissue::may_be_held(const Scene& scene) const {
   return is_held(this);
 }
 
+/// A Contact has nothing but it.
+bool Tissue::touches_itself(const Scene& scene) const {
+  const auto& all = scene.components();
+  return std::any_of(all.begin(), all.end(), [&](const Component* c) {
+    const std::vector<Component*>& links = scene.links_of(*c);
+    return c->info().name == "Contact" && links.size() == 1 && links[0] == this;
+  });
+}
+
 void Tissue::initialise(Setup& setup) {
   const MeshData& data = mesh->data();
   if (data.tets.size() > most_tets)
@@ -181,6 +190,7 @@ void Tissue::initialise(Setup& setup) {
 /// Every Layer and Attach has spoken.
 void Tissue::ready(Setup& setup) {
   doubt_size(setup);
+  may_overlap_ = setup.scene == nullptr || !touches_itself(*setup.scene);
   step_->prepare(setup.dt);
   for (const SolidQueries& q : queries_) q.fit();
 }
@@ -188,6 +198,7 @@ void Tissue::ready(Setup& setup) {
 void Tissue::archive(Archive& a) {
   step_->archive(a);
   if (own_solver_) own_solver_->archive(a);
+  overlap_.archive(a);
   if (a.restoring() && a.ok()) move_queries(Configuration::current, step_->positions());
 }
 
@@ -279,6 +290,12 @@ void Tissue::motion(VecX& out) const {
 void Tissue::move_to(const StepContext& context, const VecX& motion) {
   step_->move_to(context, motion);
   move_queries(Configuration::current, step_->positions());
+}
+
+void Tissue::end_step(const StepContext& context, const VecX& force) {
+  step_->end(context, force);
+  if (may_overlap_)
+    overlap_.look(queries(Configuration::current), model_.edge_length, context.time + context.dt);
 }
 
 std::string Tissue::fault() const {

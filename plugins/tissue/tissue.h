@@ -7,9 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "self_overlap.h"
 #include "solid_queries.h"
 #include "sutura/component.h"
 #include "sutura/describe.h"
+#include "sutura/end_note.h"
 #include "tet_mesh.h"
 #include "tissue_fields.h"
 #include "tissue_model.h"
@@ -22,7 +24,7 @@ namespace sutura::tissue {
 /// same tets, cured of locking (smoothed_t4.h).
 enum class TissueElement { unstated, t4, smoothed };
 
-class Tissue : public Component, public MeshedSolid {
+class Tissue : public Component, public MeshedSolid, public EndNote {
  public:
   static constexpr const char* interface_name = "Tissue";
 
@@ -87,9 +89,7 @@ class Tissue : public Component, public MeshedSolid {
   }
   Real time_error(const StepContext& context) const override { return step_->time_error(context); }
   Index least_passes() const override { return iterations; }
-  void end_step(const StepContext& context, const VecX& force) override {
-    step_->end(context, force);
-  }
+  void end_step(const StepContext& context, const VecX& force) override;
   Vec3 momentum() const override { return tissue::momentum(model_, velocities()); }
   Real mass() const override { return sum(model_.mass); }
   Vec3 centre_of_mass() const override { return tissue::centre_of_mass(model_, positions()); }
@@ -101,6 +101,7 @@ class Tissue : public Component, public MeshedSolid {
   bool finite() const override { return step_->finite(); }
   std::string trouble() const override { return step_->trouble(); }
   std::string fault() const override;
+  std::string end_note() const override { return overlap_.sentence(model_.edge_length); }
   BodyGeometry geometry() const override {
     return tissue::geometry(model_, positions(), velocities());
   }
@@ -129,6 +130,7 @@ class Tissue : public Component, public MeshedSolid {
   void doubt(Setup& setup) const;
   void doubt_size(Setup& setup) const;
   bool may_be_held(const Scene& scene) const;
+  bool touches_itself(const Scene& scene) const;
   void update_materials();
   void start_moving();
   void move_queries(Configuration c, const VecX& x) {
@@ -141,6 +143,8 @@ class Tissue : public Component, public MeshedSolid {
   TissueSolver* solver_ = nullptr;
   std::optional<TissueStep> step_;
   std::vector<SolidQueries> queries_;  ///< rest, start, current
+  bool may_overlap_ = false;           ///< no Contact keeps its walls apart
+  SelfOverlap overlap_;
 };
 
 }  // namespace sutura::tissue

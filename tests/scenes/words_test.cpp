@@ -177,6 +177,11 @@ INSTANTIATE_TEST_SUITE_P(
               "1\"/>",
               "the block: "},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1 1 1\" holes=\"1 1\"/>", "6 for each hole"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"1 1 1\" cuts=\"1 1\"/>", "6 for each cut"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" cuts=\"0 0 0 1 1 1\"/>",
+              "is not flat"},
+        Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" cuts=\"0 0 0.6 1 1 0.6\"/>",
+              "holds no side of a cell"},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" holes=\"-1 -1 -1 2 2 "
               "2\"/>",
               "leave nothing"}));
