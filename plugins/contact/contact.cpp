@@ -52,7 +52,14 @@ void Contact::describe(Describe<Contact>& d) {
   d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
               "By how much the surfaces give way along the normal under a force at one touch; 0: "
               "they are hard. A thread of diameter d gives about 1 / (E d) across.");
-  d.output("force", "N", "Of all touches on the first.", [](const Contact& c) { return c.force_; });
+  d.output("force", "N",
+           "Of all touches on the first. Of one that touches itself it says nothing: what one side "
+           "of a touch gets, the other gives.",
+           [](const Contact& c) { return c.force_; });
+  d.output("normal_force", "N",
+           "Sum of the forces along the normals of all touches, whichever way these look: with how "
+           "much the walls of a wound press on each other.",
+           [](const Contact& c) { return c.normal_force_; });
   d.output("largest_force", "N", "The largest force along the normal at one touch.",
            [](const Contact& c) { return c.largest_force_; });
   d.output("touches", "1", "Number of touches that carry force.",
@@ -134,6 +141,7 @@ void Contact::archive(Archive& a) {
   a("force", force_);
   a("closed", closed_);
   a("largest_force", largest_force_);
+  a("normal_force", normal_force_);
 }
 
 void Contact::detect(const StepContext& context) {
@@ -221,7 +229,7 @@ void Contact::stiffen(const StepContext& context, const Touch& t, ConstraintBuil
 void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
   force_.setZero();
   closed_ = 0;
-  largest_force_ = 0;
+  largest_force_ = normal_force_ = 0;
   left_overlap_ = 0;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     Touch& t = touches_[i];
@@ -233,6 +241,7 @@ void Contact::commit(const StepContext&, const SolvedBlocks& solved) {
     t.carries = normal > 0;
     closed_ += t.carries;
     largest_force_ = std::max(largest_force_, normal);
+    normal_force_ += normal;
     pair_->tell_force(t, force);
     t.mode = solved.mode(block);
     t.lambda = Vec3(normal, 0, 0);

@@ -53,7 +53,7 @@ class Contact : public Component, public ConstraintSource {
   std::vector<BlockId> blocks_;
   Vec3 force_ = Vec3::Zero();  ///< on the first
   Index closed_ = 0;
-  Real largest_force_ = 0;
+  Real largest_force_ = 0, normal_force_ = 0;
   bool went_through_ = false;
   bool turns_too_far_ = false;
   Real unseen_overlap_ = 0;  ///< m

@@ -64,6 +64,29 @@ TEST(ClosedCut, PressedTogetherIsAsTheWholeBlock) {
   }
 }
 
+// Cut right through and pressed along the block: what goes in at one end goes through the walls and
+// comes out at the other. The walls stay flat to a few degrees, so that friction takes no part of
+// it; what else is lost is the tolerance of the step, a hundredth of the forces at most.
+TEST(ClosedCut, WallsPressWithWhatPressesThem) {
+  for (const char* friction : {"0", "0.3"}) {
+    TextRun run(
+        std::string("<plugin name='contact'/><BlockMesh box='-12 -5 -4 12 5 4 mm' "
+                    "cells='12 5 4' cuts='0 -5 -4 0 5 4 mm'/><Tissue young='60 kPa' "
+                    "poisson='0.3' damping_stiffness='10 ms'/><Track name='hand' "
+                    "times='0 0.3 s' positions='0 0 0  1 0 0 mm'/><Attach name='in' box='-12 "
+                    "-5 -4 -12 5 4 mm' motion='hand'/><Attach name='out' box='12 -5 -4 12 5 "
+                    "4 mm'/><Contact friction='") +
+        friction + "'/>");
+    ASSERT_TRUE(run) << run.said();
+    run.run(0.8);
+    const Real in = run.vector("/in", "reaction").x(), out = run.vector("/out", "reaction").x();
+    // About E A e, as the ends are held across: 60 kPa, 80 mm^2, 1 of 24 mm.
+    EXPECT_NEAR(in, 0.2, 0.02);
+    EXPECT_NEAR(out, -in, 1e-3 * in);
+    EXPECT_NEAR(run.number("/contact", "normal_force"), in, 5e-3 * in) << friction;
+  }
+}
+
 // Two cuts that cross, one of them right through the block: four walls meet in an edge.
 TEST(ClosedCut, CutsMayCross) {
   const std::string cuts = "cuts='-6 0 -3 6 0 0  0 -8 -3 0 8 0 mm'";
