@@ -21,6 +21,8 @@ constexpr Real rounding = 1e-3;  // as far behind a triangle a node counts as be
 constexpr Real half_way = 0.5;
 // Cosine between the normal of a triangle and that of a node that faces it, at most.
 constexpr Real facing = -0.2;
+// Cosine between the normals of two walls that lie on each other, at most: 26 degrees.
+constexpr Real closed = -0.9;
 
 /// Of two triangles (m).
 Real distance_between(const Corners& a, const Corners& b) {
@@ -124,6 +126,7 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
 
 bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch) {
   const MovingSurface &nodes = search.nodes, &faces = search.faces;
+  if (is_self_ && ends_a_cut(nodes, n)) return false;
   const std::vector<Vec3>& normals = search.nodes_are_second ? normals_second_ : normals_first_;
   Seeker seeker{n.node, nodes.point(n.node), normals[static_cast<std::size_t>(n.node)].normalized(),
                 std::nullopt};
@@ -170,6 +173,19 @@ bool SurfaceSurface::never_meet(const Search& search, Index node, Index triangle
   const bool is_own = &search.nodes == &search.faces &&
                       std::find(corners.begin(), corners.end(), node) != corners.end();
   return is_own || (search.nodes.boundary()->is_rigid() && is_touched(touched_first_, corners));
+}
+
+/// A node where a closed cut ends belongs to both walls, and the normals of these cancel out, so
+/// that rounding says what it faces. It is within the tissue: the top of a flat element would throw
+/// it out.
+bool SurfaceSurface::ends_a_cut(const MovingSurface& surface, const MovingSurface::SurfaceNode& n) {
+  const auto sides = surface.around(n);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Vec3 normal = surface.normal(sides[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (normal.dot(surface.normal(sides[j])) < closed) return true;
+  }
+  return false;
 }
 
 /// Of the rim of something thin the mean normal is that of its wide sides, and the rim goes first.

@@ -61,6 +61,7 @@ class SurfaceSurface : public Pair {
   /// False if the node touches nothing.
   bool meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch);
   bool never_meet(const Search& search, Index node, Index triangle) const;
+  static bool ends_a_cut(const MovingSurface& surface, const MovingSurface::SurfaceNode& n);
   static bool faces_a_side(const MovingSurface& nodes, const MovingSurface::SurfaceNode& n,
                            const Vec3& normal);
   /// Where on its way a node goes through a triangle, deeper than touches see: until when it is

@@ -9,6 +9,8 @@ namespace sutura::tissue {
 
 namespace {
 
+constexpr Real rounding = 1e-6;  // of the size of a cut
+
 /// The nodes that only holes had.
 void drop_unused(MeshData& mesh) {
   std::vector<Index> number(mesh.points.size(), -1);
@@ -99,23 +101,40 @@ void BlockMesh::initialise(Setup& setup) {
 }
 
 std::string BlockMesh::open_cuts(MeshData& mesh) const {
-  for (std::size_t c = 0; c < cuts.size(); c += 6) {
-    const Vec3 a(cuts[c], cuts[c + 1], cuts[c + 2]), b(cuts[c + 3], cuts[c + 4], cuts[c + 5]);
-    const std::string number = "'cuts', number " + std::to_string(c / 6 + 1) + ", ";
-    const Vec3 size = (a - b).cwiseAbs();
-    constexpr Real rounding = 1e-6;
-    const Real near = rounding * size.maxCoeff();
-    if (size.minCoeff() > near) return number + "is not flat; 'holes' are what has a thickness";
-    const Index faces = cut_open(mesh, [&](const std::array<Vec3, 3>& face) {
-      return std::all_of(face.begin(), face.end(), [&](const Vec3& p) {
+  std::vector<Index> sides(cuts.size() / 6, 0);  // by cut
+  const auto number = [](std::size_t cut) { return "'cuts', number " + std::to_string(cut + 1); };
+  for (std::size_t c = 0; c < sides.size(); ++c) {
+    const Vec3 size = (corner_of_cut(c, 0) - corner_of_cut(c, 1)).cwiseAbs();
+    if (size.minCoeff() > rounding * size.maxCoeff())
+      return number(c) + ", is not flat; 'holes' are what has a thickness";
+  }
+  // All at once: where two meet, a node comes apart by both.
+  cut_open(mesh, [&](const std::array<Vec3, 3>& face) {
+    bool any = false;
+    for (std::size_t c = 0; c < sides.size(); ++c) {
+      const Vec3 a = corner_of_cut(c, 0), b = corner_of_cut(c, 1);
+      const Real near = rounding * (a - b).cwiseAbs().maxCoeff();
+      const bool within = std::all_of(face.begin(), face.end(), [&](const Vec3& p) {
         return ((p - a.cwiseMin(b)).array() >= -near).all() &&
                ((a.cwiseMax(b) - p).array() >= -near).all();
       });
-    });
-    if (faces == 0)
-      return number + "holds no side of a cell; it must lie between cells, see 'cells'";
-  }
+      sides[c] += within;
+      any = any || within;
+    }
+    return any;
+  });
+  for (std::size_t c = 0; c < sides.size(); ++c)
+    if (sides[c] == 0)
+      return number(c) + ", holds no side of a cell; it must lie between cells, see 'cells'";
+  if (!cuts.empty() && mesh.copied_nodes == 0)
+    return "'cuts' open nothing: all nodes are at the end of a cut; within the block one must be "
+           "two cells wide at least";
   return {};
+}
+
+Vec3 BlockMesh::corner_of_cut(std::size_t cut, std::size_t corner) const {
+  const Real* at = cuts.data() + 6 * cut + 3 * corner;
+  return {at[0], at[1], at[2]};
 }
 
 MeshData BlockMesh::build(const std::array<Vec3, 8>& corner, const std::array<Index, 3>& n) const {

@@ -20,6 +20,7 @@ class BlockMesh : public TetMesh {
   MeshData build(const std::array<Vec3, 8>& corner, const std::array<Index, 3>& n) const;
   /// What is wrong with a cut: a sentence, or empty.
   std::string open_cuts(MeshData& mesh) const;
+  Vec3 corner_of_cut(std::size_t cut, std::size_t corner) const;
 };
 
 }  // namespace sutura::tissue
