@@ -182,6 +182,8 @@ INSTANTIATE_TEST_SUITE_P(
               "is not flat"},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" cuts=\"0 0 0.6 1 1 0.6\"/>",
               "holds no side of a cell"},
+        Wrong{"<BlockMesh box=\"0 0 0 4 4 4\" cells=\"4 4 4\" cuts=\"2 1 1 2 2 2\"/>",
+              "open nothing"},
         Wrong{"<BlockMesh box=\"0 0 0 1 1 1\" cells=\"2 2 2\" holes=\"-1 -1 -1 2 2 "
               "2\"/>",
               "leave nothing"}));
