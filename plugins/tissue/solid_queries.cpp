@@ -197,10 +197,14 @@ bool SolidQueries::is_in_others(Index corner, const Vec3& p) const {
 std::optional<SurfacePoint> SolidQueries::deepest_in_itself(Real slack) const {
   fit_tets();
   fit_triangles();
+  // Of a flat place 2 pi. Zero where a node is not of the boundary, and, but for rounding, where a
+  // closed cut ends, as its walls look opposite ways.
+  constexpr Real least = 0.1;
   std::optional<SurfacePoint> deepest;
   for (Index i = 0; i < static_cast<Index>(vertex_normal_.size()); ++i) {
-    const Vec3 outward = unit(vertex_normal_[i]);  // zero: not of the boundary
-    if (outward.isZero(0) || !is_in_others(i, point(i) + slack * outward)) continue;
+    if (vertex_normal_[i].norm() < least) continue;
+    const Vec3 outward = unit(vertex_normal_[i]);
+    if (!is_in_others(i, point(i) + slack * outward)) continue;
     const auto behind = closest_surface(point(i), std::numeric_limits<Real>::max(), -outward);
     if (!behind || !(behind->distance < 0)) continue;
     if (!deepest || behind->distance < deepest->distance) deepest = behind;

@@ -69,13 +69,14 @@ class SolidQueries {
   Vec3 surface_normal(Index triangle) const;
   /// The node of the boundary that is deepest in elements that it is no corner of, behind the
   /// nearest triangle that faces it: a point of that triangle, whose distance is negative. It is in
-  /// them if what is by `slack` before it is; an edge across another is not seen.
+  /// them if what is by `slack` before it is. Not seen: an edge across another, and a node where a
+  /// closed cut ends, which has no side.
   std::optional<SurfacePoint> deepest_in_itself(Real slack) const;
   Vec3 position(const EmbeddedPoint& p) const;
 
  private:
   bool faces(Index triangle, const Vec3& direction) const;
-  bool is_in_others(Index node, const Vec3& p) const;
+  bool is_in_others(Index corner, const Vec3& p) const;
   Vec3 point(Index node) const { return x_->segment<3>(3 * node); }
   std::array<Vec3, 3> corners(Index triangle) const;
   SurfacePoint on_triangle(Index triangle, const Vec3& weights) const;

@@ -72,14 +72,20 @@ TEST(ClosedCut, AtRestItStaysAtRest) {
                     across = "  0 -4 -4 0 4 0";
   for (const std::string& cuts : {straight, straight + bed, straight + across})
     for (const char* cells : {"8 6 6", "8 8 6", "6 4 12"}) {
-      TextRun run("<plugin name='contact'/><BlockMesh box='-12 -7.8 -6 12 8.2 0 mm' cells='" +
-                  std::string(cells) + "' cuts='" + cuts +
-                  " mm'/><Tissue young='30 kPa' poisson='0.4'/>"
-                  "<Attach box='-12 -8 -6 12 9 -6 mm'/>" +
-                  touching);
+      const auto of = [&](const std::string& contact) {
+        return "<plugin name='contact'/><BlockMesh box='-12 -7.8 -6 12 8.2 0 mm' cells='" +
+               std::string(cells) + "' cuts='" + cuts +
+               " mm'/><Tissue young='30 kPa' poisson='0.4'/>"
+               "<Attach box='-12 -8 -6 12 9 -6 mm'/>" +
+               contact;
+      };
+      TextRun run(of(touching));
       ASSERT_TRUE(run) << cuts << ", " << cells << ": " << run.said();
       run.run(0.1);
       EXPECT_LT(run.number("/tissue", "max_displacement"), 1e-12) << cuts << ", " << cells;
+      TextRun alone(of(""));  // no false alarm where nothing keeps the walls apart
+      alone.run(0.1);
+      EXPECT_EQ(dynamic_cast<const EndNote&>(*alone.simulation().find("/tissue")).end_note(), "");
     }
 }
 
@@ -87,12 +93,11 @@ TEST(ClosedCut, AtRestItStaysAtRest) {
 // nothing: pulled without friction it flies out.
 TEST(ClosedCut, ACubeThatIsCutFreeIsFree) {
   TextRun run(
-      "<plugin name='contact'/><BlockMesh box='-12 -8 -6 12 8 0 mm' cells='12 8 6' cuts='-4 -4 -4 "
-      "-4 4 0  4 -4 -4 4 4 0  -4 -4 -4 4 -4 0  -4 4 -4 4 4 0  -4 -4 -4 4 4 -4 mm'/><Tissue "
-      "young='30 "
-      "kPa' poisson='0.4' damping_stiffness='10 ms'/><Attach box='-12 -8 -6 12 8 -6 "
-      "mm'/><TissueLoad "
-      "box='-3.9 -3.9 -0.1 3.9 3.9 0.1 mm' force='0 0 8 mN'/><TissueProbe point='0 0 -1 mm'/>"
+      "<plugin name='contact'/><BlockMesh box='-12 -8 -6 12 8 0 mm' cells='12 8 6' "
+      "cuts='-4 -4 -4 -4 4 0  4 -4 -4 4 4 0  -4 -4 -4 4 -4 0  -4 4 -4 4 4 0  -4 -4 -4 4 4 -4 mm'/>"
+      "<Tissue young='30 kPa' poisson='0.4' damping_stiffness='10 ms'/>"
+      "<Attach box='-12 -8 -6 12 8 -6 mm'/><TissueProbe point='0 0 -1 mm'/>"
+      "<TissueLoad box='-3.9 -3.9 -0.1 3.9 3.9 0.1 mm' force='0 0 8 mN'/>"
       "<Contact friction='0'/>");
   ASSERT_TRUE(run) << run.said();
   const Vec3 before = run.vector("/tissue_probe", "position");
@@ -125,7 +130,7 @@ TEST(ClosedCut, WallsPressWithWhatPressesThem) {
   }
 }
 
-// Two cuts that cross, one of them right through the block: four walls meet in an edge.
+// Two cuts of 3 mm that cross, one of them from side to side: their walls meet in an edge.
 TEST(ClosedCut, CutsMayCross) {
   const std::string cuts = "cuts='-6 0 -3 6 0 0  0 -8 -3 0 8 0 mm'";
   const Squeezed whole = squeeze(pressed("", "0 1 1"), "10 ms");
@@ -164,6 +169,8 @@ TEST(ClosedCut, WallsThatOverlapAreSaid) {
     return dynamic_cast<const EndNote&>(*run.simulation().find("/tissue")).end_note();
   };
   // Both parts are held but for the cells at the cut, so that each wall belongs to one of them.
+  // Walls that only lie on each other do not overlap.
+  EXPECT_EQ(note("<Attach name='b' box='1 -4 -4 6 4 0 mm'/>"), "");
   const std::string driven = "<Attach name='b' box='1 -4 -4 6 4 0 mm' motion='hand'/>";
   const std::string said = note(driven);
   EXPECT_NE(said.find("by up to 1 mm"), std::string::npos) << said;
