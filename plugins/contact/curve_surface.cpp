@@ -278,7 +278,7 @@ Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
 
 /// What has come out of its channel and gone into the tissue beside it: surfaces are not met from
 /// inside.
-Real CurveSurface::unseen_overlap() const {
+Real CurveSurface::unseen_overlap() {
   if (passage_ == nullptr) return 0;
   const auto is_held = [&](const CurveSegment& s) {
     return std::any_of(held_.begin(), held_.end(), [&](const Passage::Stretch& h) {

@@ -23,7 +23,7 @@ class CurveSurface : public Pair {
   void tell_force(const Touch& touch, const Vec3& force) override {
     surface_.boundary()->tell_force(-force, touch.at);
   }
-  Real unseen_overlap() const override;
+  Real unseen_overlap() override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 

@@ -40,12 +40,12 @@ void SurfaceSurface::meet_edges(Real reach, std::vector<Touch>& out) {
     edges_first_.learn(first_);
     if (!is_self_) edges_second_.learn(second_);
   }
-  const SurfaceEdges& others = is_self_ ? edges_first_ : edges_second_;
+  edges_first_.look(first_, normals_first_);
+  if (!is_self_) edges_second_.look(second_, normals_second_);
+  const SurfaceEdges& others = edges_of_second();
   for (std::size_t i = 0; i < edges_first_.all().size(); ++i) {
+    if (!edges_first_.is_ridge(static_cast<Index>(i))) continue;
     const SurfaceEdges::Edge& e = edges_first_.all()[i];
-    if (SurfaceEdges::outward(first_, e, 0).isZero() &&
-        SurfaceEdges::outward(first_, e, 1).isZero())
-      continue;
     Box box;
     for (const Real time : {0., 1.}) {
       const Segment s = SurfaceEdges::at(first_, e, time);
@@ -54,24 +54,25 @@ void SurfaceSurface::meet_edges(Real reach, std::vector<Touch>& out) {
     second().near(box.grown(std::max(reach, deepest(first_, e.triangle[0]))), [&](Index t) {
       others.of(t, [&](Index j) {
         const SurfaceEdges::Edge& f = others.all()[static_cast<std::size_t>(j)];
-        if (is_self_ && (j <= static_cast<Index>(i) || e.meets(f))) return;
-        meet_edges(static_cast<Index>(i), e, j, f, reach, out);
+        if (!others.is_ridge(j) || (is_self_ && (j <= static_cast<Index>(i) || e.meets(f)))) return;
+        meet_edges(static_cast<Index>(i), j, reach, out);
       });
     });
   }
 }
 
-void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
-                                const SurfaceEdges::Edge& f, Real reach, std::vector<Touch>& out) {
+void SurfaceSurface::meet_edges(Index i, Index j, Real reach, std::vector<Touch>& out) {
+  const SurfaceEdges& others = edges_of_second();
+  const SurfaceEdges::Edge& e = edges_first_.all()[static_cast<std::size_t>(i)];
+  const SurfaceEdges::Edge& f = others.all()[static_cast<std::size_t>(j)];
   Real deep = std::numeric_limits<Real>::infinity();
   for (const Index t : e.triangle) deep = std::min(deep, deepest(first_, t));
   for (const Index t : f.triangle) deep = std::min(deep, deepest(second(), t));
   const auto at = [&](Real time, const Vec3& up) {
     return cross(SurfaceEdges::at(first_, e, time), SurfaceEdges::at(second(), f, time), up);
   };
-  const auto faced = [&](const Vec3& normal, Real time) {
-    return SurfaceEdges::faces(second(), f, normal, time) &&
-           SurfaceEdges::faces(first_, e, -normal, time);
+  const auto faced = [&](const Vec3& normal, SurfaceEdges::When when) {
+    return others.faces(j, normal, when) && edges_first_.faces(i, -normal, when);
   };
   const auto touch = [&](const CrossedEdges& where) {
     const Segment mine = SurfaceEdges::at(first_, e, 1), other = SurfaceEdges::at(second(), f, 1);
@@ -90,8 +91,8 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
   };
   // Does its way lead through, deeper than a touch sees? Then it is touched where the two met: what
   // is carried does not go back.
-  const CrossedEdges begin = at(0, SurfaceEdges::outward(second(), f, 0));
-  if (begin.gap > -deep && !begin.normal.isZero() && faced(begin.normal, 0) &&
+  const CrossedEdges begin = at(0, others.outward(j, SurfaceEdges::start));
+  if (begin.gap > -deep && !begin.normal.isZero() && faced(begin.normal, SurfaceEdges::start) &&
       at(1, begin.normal).gap < -deep) {
     Real low = 0, high = 1;
     for (int k = 0; k < 30; ++k) {
@@ -106,8 +107,8 @@ void SurfaceSurface::meet_edges(Index i, const SurfaceEdges::Edge& e, Index j,
       return touch(met);
     }
   }
-  const CrossedEdges now = at(1, SurfaceEdges::outward(second(), f, 1));
-  if (now.is_inner && now.gap <= reach && now.gap >= -deep && faced(now.normal, 1)) touch(now);
+  const CrossedEdges now = at(1, others.outward(j, SurfaceEdges::now));
+  if (now.is_inner && now.gap <= reach && now.gap >= -deep && faced(now.normal, SurfaceEdges::now)) touch(now);
 }
 
 }  // namespace sutura::contact

@@ -5,11 +5,18 @@
 
 namespace sutura::contact {
 
-void MovingSurface::look(bool standing) {
+bool MovingSurface::look(bool standing) {
+  const std::uint64_t seen_now = now_.generation, seen_start = start_.generation;
   now_ = boundary_->surface(Configuration::current);
   start_ = standing ? now_ : boundary_->surface(Configuration::start);
-  if (!tree_) learn();
-  tree_->refit(boxes_, [this](Index t) { return of(t); });
+  if (!tree_)
+    learn();
+  else if (now_.generation == seen_now && start_.generation == seen_start && stands_ == standing)
+    return false;
+  stands_ = standing;
+  ways_.resize(static_cast<std::size_t>(triangles()));
+  tree_->refit(boxes_, [this](Index t) { return ways_[static_cast<std::size_t>(t)] = way(t); });
+  return true;
 }
 
 /// What stays as it is at rest: so a run that was interrupted finds the same.
@@ -69,7 +76,7 @@ void MovingSurface::learn_thickness(const TriangleSurface& rest) {
   }
 }
 
-Box MovingSurface::of(Index t) const {
+Box MovingSurface::way(Index t) const {
   Box box;
   for (const Vec3& p : start_.corners(t)) box.add(p);
   for (const Vec3& p : now_.corners(t)) box.add(p);

@@ -16,8 +16,8 @@ class MovingSurface {
  public:
   explicit MovingSurface(std::shared_ptr<const Boundary> boundary)
       : boundary_(std::move(boundary)) {}
-  /// `standing`: as it is now, without its way.
-  void look(bool standing = false);
+  /// `standing`: as it is now, without its way. False if all is where it was at the last look.
+  bool look(bool standing = false);
 
   const std::shared_ptr<const Boundary>& boundary() const { return boundary_; }
   Index triangles() const { return now_.size(); }
@@ -25,12 +25,12 @@ class MovingSurface {
     return now_.triangles[static_cast<std::size_t>(triangle)];
   }
   Corners now(Index triangle) const { return now_.corners(triangle); }
+  Corners at_start(Index triangle) const { return start_.corners(triangle); }
   Vec3 point(Index node) const { return now_.point(node); }
   Vec3 moved(Index node) const { return now_.point(node) - start_.point(node); }
   Corners at(Index triangle, Real time) const;
   /// No corner moves further, less a `common` motion (m).
   Real motion(Index triangle, const Vec3& common) const;
-  Vec3 normal(Index triangle) const { return now_.area_normal(triangle).normalized(); }
   /// Displacement over the step of a point of a triangle.
   Vec3 moved(Index triangle, const Vec3& weights) const;
   /// May p be inside? If not, it is not.
@@ -59,19 +59,21 @@ class MovingSurface {
       tree_->visit(
           boxes_, [&](const Box& b) { return b.meets(box); },
           [&](Index t) {
-            if (of(t).meets(box)) item(t);
+            if (ways_[static_cast<std::size_t>(t)].meets(box)) item(t);
           });
   }
 
  private:
-  Box of(Index triangle) const;
+  Box way(Index triangle) const;
   void learn();
   void learn_thickness(const TriangleSurface& rest);
 
   std::shared_ptr<const Boundary> boundary_;
   TriangleSurface start_, now_;
+  bool stands_ = false;
   std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
   BoxTree::Boxes boxes_;
+  std::vector<Box> ways_;  ///< by triangle: around its way
   std::vector<SurfaceNode> nodes_;
   Real edge_length_ = 0;
   std::vector<Real> thickness_;  ///< by triangle

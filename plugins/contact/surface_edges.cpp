@@ -10,26 +10,6 @@ namespace {
 // the nodes around.
 constexpr Real flat = 0.95;
 
-struct Sides {
-  Vec3 first, second;  ///< normals, unit
-  bool is_ridge = false;
-};
-
-Sides sides(const MovingSurface& surface, const SurfaceEdges::Edge& e, Real time) {
-  Corners c[2];
-  Vec3 n[2];
-  for (std::size_t k = 0; k < 2; ++k) {
-    c[k] = surface.at(e.triangle[k], time);
-    n[k] = (c[k][1] - c[k][0]).cross(c[k][2] - c[k][0]).normalized();
-  }
-  // The corner of the second side that is not on the edge lies below the plane of the first.
-  const auto& nodes = surface.nodes(e.triangle[1]);
-  std::size_t opposite = 0;
-  while (nodes[opposite] == e.node[0] || nodes[opposite] == e.node[1]) ++opposite;
-  const bool is_convex = n[0].dot(c[1][opposite] - c[0][0]) < 0;
-  return {n[0], n[1], is_convex && n[0].dot(n[1]) < flat};
-}
-
 }  // namespace
 
 void SurfaceEdges::learn(const MovingSurface& surface) {
@@ -56,9 +36,13 @@ void SurfaceEdges::learn(const MovingSurface& surface) {
     if (end == i + 2) {  // where two parts meet in an edge only, it has four sides, and is left out
       auto& slots = of_triangle_[static_cast<std::size_t>(sides[i].triangle)];
       *std::find(slots.begin(), slots.end(), -1) = static_cast<Index>(edges_.size());
+      Index opposite = 0;
+      for (const Index node : surface.nodes(sides[i + 1].triangle))
+        if (node != sides[i].low && node != sides[i].high) opposite = node;
       edges_.push_back({{sides[i].low, sides[i].high},
                         {sides[i].triangle, sides[i + 1].triangle},
-                        {sides[i].from, sides[i].to}});
+                        {sides[i].from, sides[i].to},
+                        opposite});
     }
     i = end;
   }
@@ -69,18 +53,34 @@ Segment SurfaceEdges::at(const MovingSurface& surface, const Edge& edge, Real ti
   return {c[static_cast<std::size_t>(edge.corner[0])], c[static_cast<std::size_t>(edge.corner[1])]};
 }
 
-Vec3 SurfaceEdges::outward(const MovingSurface& surface, const Edge& edge, Real time) {
-  const Sides s = sides(surface, edge, time);
+void SurfaceEdges::look(const MovingSurface& surface, const SurfaceNormals& normals) {
+  sides_.resize(edges_.size());
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    const Edge& e = edges_[i];
+    for (const When when : {start, now}) {
+      const auto normal = [&](Index t) { return when == now ? normals.now(t) : normals.at_start(t); };
+      Sides& s = sides_[i][when];
+      s = {normal(e.triangle[0]), normal(e.triangle[1]), false};
+      if (!(s.first.dot(s.second) < flat)) continue;
+      // The corner of the second side that is not on the edge lies below the plane of the first.
+      Vec3 across = surface.point(e.opposite) - surface.point(e.node[0]);
+      if (when == start) across -= surface.moved(e.opposite) - surface.moved(e.node[0]);
+      s.is_ridge = s.first.dot(across) < 0;
+    }
+  }
+}
+
+Vec3 SurfaceEdges::outward(Index edge, When when) const {
+  const Sides& s = sides_[static_cast<std::size_t>(edge)][when];
   return s.is_ridge ? Vec3(s.first + s.second) : Vec3(Vec3::Zero());
 }
 
 /// A direction across the edge is between the normals of its sides if each of these is turned
 /// towards it by no more than towards the other.
-bool SurfaceEdges::faces(const MovingSurface& surface, const Edge& edge, const Vec3& direction,
-                         Real time) {
-  constexpr Real rounding =
-      1e-3;  // where a flat side lies on another one, the direction is its normal
-  const Sides s = sides(surface, edge, time);
+bool SurfaceEdges::faces(Index edge, const Vec3& direction, When when) const {
+  // Where a flat side lies on another one, the direction is its normal.
+  constexpr Real rounding = 1e-3;
+  const Sides& s = sides_[static_cast<std::size_t>(edge)][when];
   if (!s.is_ridge) return false;
   const Vec3 turn = s.first.cross(s.second);
   return s.first.cross(direction).dot(turn) > -rounding &&

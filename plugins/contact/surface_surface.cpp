@@ -43,19 +43,6 @@ bool is_touched(const std::vector<char>& touched, const std::array<Index, 3>& no
 
 }  // namespace
 
-void SurfaceSurface::add_normals(const MovingSurface& surface, std::vector<Vec3>& normals) {
-  for (Vec3& n : normals) n.setZero();
-  for (Index t = 0; t < surface.triangles(); ++t) {
-    const Corners c = surface.now(t);
-    const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]);
-    for (const Index node : surface.nodes(t)) {
-      if (static_cast<std::size_t>(node) >= normals.size())
-        normals.resize(static_cast<std::size_t>(node) + 1, Vec3::Zero());
-      normals[static_cast<std::size_t>(node)] += normal;
-    }
-  }
-}
-
 Real SurfaceSurface::edge_length() const {
   if (second().boundary()->is_rigid()) return first_.edge_length();
   return std::min(first_.edge_length(), second().edge_length());
@@ -65,20 +52,20 @@ Real SurfaceSurface::deepest(const MovingSurface& faces, Index triangle) const {
   return std::min(depth * edge_length(), half_way * faces.thickness(triangle));
 }
 
+void SurfaceSurface::look(bool standing) {
+  if (first_.look(standing)) normals_first_.look(first_);
+  if (!is_self_ && second_.look(standing)) normals_second_.look(second_);
+}
+
 void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
   begin_look();
-  first_.look();
-  add_normals(first_, normals_first_);
-  if (!is_self_) {
-    second_.look();
-    add_normals(second_, normals_second_);
-  }
+  look(false);
   const Real reach = margin * edge_length();
   meet(false, reach, out);
   if (second().boundary()->is_rigid()) {
     // What lies on a tool is held at its nodes: where the tool's nodes are in the same triangles,
     // they would say it again.
-    touched_first_.assign(normals_first_.size(), 0);
+    touched_first_.assign(normals_first_.nodes(), 0);
     for (const Touch& t : out) touched_first_[static_cast<std::size_t>(t.node)] = 1;
   }
   if (!is_self_) meet(true, reach, out);
@@ -116,42 +103,52 @@ void SurfaceSurface::doubt() {
 
 void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {
   const Real around = std::max(reach, depth * edge_length());
-  const Search search{nodes_are_second ? second() : first_, nodes_are_second ? first_ : second(),
-                      nodes_are_second, reach, around};
-  for (const MovingSurface::SurfaceNode& n : search.nodes.surface_nodes()) {
+  const bool faces_are_second = !is_self_ && !nodes_are_second;
+  NearTriangles& near = nodes_are_second ? near_second_ : near_first_;
+  const Search search{nodes_are_second ? second() : first_,
+                      nodes_are_second ? first_ : second(),
+                      nodes_are_second ? normals_second_ : normals_first_,
+                      faces_are_second ? normals_second_ : normals_first_,
+                      near,
+                      nodes_are_second,
+                      reach,
+                      around};
+  near.look(search.nodes, search.faces, around);
+  for (std::size_t place = 0; place < search.nodes.surface_nodes().size(); ++place) {
     Touch touch;
-    if (meet(search, n, touch)) out.push_back(touch);
+    if (meet(search, place, touch)) out.push_back(touch);
   }
 }
 
-bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch) {
+bool SurfaceSurface::meet(const Search& search, std::size_t place, Touch& touch) {
   const MovingSurface &nodes = search.nodes, &faces = search.faces;
-  if (is_self_ && ends_a_cut(nodes, n)) return false;
-  const std::vector<Vec3>& normals = search.nodes_are_second ? normals_second_ : normals_first_;
-  Seeker seeker{n.node, nodes.point(n.node), normals[static_cast<std::size_t>(n.node)].normalized(),
+  const MovingSurface::SurfaceNode& n = nodes.surface_nodes()[place];
+  Seeker seeker{nodes.point(n.node), search.node_normals.of_node(n.node).normalized(),
                 std::nullopt};
-  Box way;
-  way.add(seeker.at), way.add(seeker.at - nodes.moved(n.node));
+  const Real away = turned_away(search, n, seeker.outward);
   near_.clear();
   Passing first;
   Near best;
-  faces.near(way.grown(search.around), [&](Index t) {
-    if (never_meet(search, n.node, t)) return;
-    const Vec3 normal = faces.normal(t);
+  for (const Index t : search.near.of(place)) {
+    const Vec3& normal = search.face_normals.now(t);
+    if (normal.dot(seeker.outward) > away) continue;
     const bool is_facing = normal.dot(seeker.outward) <= facing;
+    if (!is_facing && !faces_a_side(search, n, normal)) continue;
+    if (is_said_already(search, t)) continue;
     const Passing through = passing(nodes, n.node, faces, t);
-    if (through.free < first.free && (is_facing || faces_a_side(nodes, n, normal))) {
+    if (through.free < first.free) {
       first = through;
       best = {t, through.weights, 0};
     }
     if (first.free == 1 && is_facing) add_near(search, t, seeker);
-  });
+  }
+  if (first.free == 1 && near_.empty()) return false;
+  if (is_self_ && ends_a_cut(search, n)) return false;
   free_way_ = std::min(free_way_, first.free);
-  if (first.free == 1 && !near_.empty()) best = nearest();
-  if (best.triangle < 0) return false;
+  if (first.free == 1) best = nearest();
 
   const Corners c = faces.now(best.triangle);
-  const Vec3 normal = faces.normal(best.triangle);
+  const Vec3& normal = search.face_normals.now(best.triangle);
   touch.triangle = best.triangle;
   touch.weights = best.weights;
   touch.normal = search.nodes_are_second ? Vec3(-normal) : normal;
@@ -166,41 +163,52 @@ bool SurfaceSurface::meet(const Search& search, const MovingSurface::SurfaceNode
   return true;
 }
 
-/// A node and a triangle that it is a corner of; or one where nodes of the first, which lie on the
-/// tool, say already that the two touch.
-bool SurfaceSurface::never_meet(const Search& search, Index node, Index triangle) const {
-  const auto& corners = search.faces.nodes(triangle);
-  const bool is_own = &search.nodes == &search.faces &&
-                      std::find(corners.begin(), corners.end(), node) != corners.end();
-  return is_own || (search.nodes.boundary()->is_rigid() && is_touched(touched_first_, corners));
+/// Where nodes of the first, which lie on the tool, say that the two touch.
+bool SurfaceSurface::is_said_already(const Search& search, Index triangle) const {
+  return search.nodes.boundary()->is_rigid() &&
+         is_touched(touched_first_, search.faces.nodes(triangle));
 }
 
 /// A node where a closed cut ends belongs to both walls, and the normals of these cancel out, so
 /// that rounding says what it faces. It is within the tissue: the top of a flat element would throw
 /// it out.
-bool SurfaceSurface::ends_a_cut(const MovingSurface& surface, const MovingSurface::SurfaceNode& n) {
-  const auto sides = surface.around(n);
+bool SurfaceSurface::ends_a_cut(const Search& search, const MovingSurface::SurfaceNode& n) {
+  const auto sides = search.nodes.around(n);
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Vec3 normal = surface.normal(sides[i]);
+    const Vec3& normal = search.node_normals.now(sides[i]);
     for (std::size_t j = 0; j < i; ++j)
-      if (normal.dot(surface.normal(sides[j])) < closed) return true;
+      if (normal.dot(search.node_normals.now(sides[j])) < closed) return true;
   }
   return false;
 }
 
+/// A triangle whose normal has a larger cosine with `outward` faces neither the node nor one of its
+/// sides: the cosine of the angle at which it would face the side that is turned furthest.
+Real SurfaceSurface::turned_away(const Search& search, const MovingSurface::SurfaceNode& n,
+                                 const Vec3& outward) {
+  Real least = 1;
+  for (const Index side : search.nodes.around(n))
+    least = std::min(least, outward.dot(search.node_normals.now(side)));
+  if (least <= facing) return 1;
+  constexpr Real rounding = 1e-9;
+  return facing * least + std::sqrt((1 - facing * facing) * std::max(1 - least * least, Real(0))) +
+         rounding;
+}
+
 /// Of the rim of something thin the mean normal is that of its wide sides, and the rim goes first.
-bool SurfaceSurface::faces_a_side(const MovingSurface& nodes, const MovingSurface::SurfaceNode& n,
+bool SurfaceSurface::faces_a_side(const Search& search, const MovingSurface::SurfaceNode& n,
                                   const Vec3& normal) {
-  const auto sides = nodes.around(n);
-  return std::any_of(sides.begin(), sides.end(),
-                     [&](Index side) { return normal.dot(nodes.normal(side)) <= facing; });
+  const auto sides = search.nodes.around(n);
+  return std::any_of(sides.begin(), sides.end(), [&](Index side) {
+    return normal.dot(search.node_normals.now(side)) <= facing;
+  });
 }
 
 void SurfaceSurface::add_near(const Search& search, Index t, Seeker& seeker) {
   const MovingSurface& faces = search.faces;
   const Corners c = faces.now(t);
   const TrianglePoint foot = closest_point(seeker.at, c);
-  const Vec3 apart = seeker.at - foot.on(c), normal = faces.normal(t);
+  const Vec3 apart = seeker.at - foot.on(c), normal = search.face_normals.now(t);
   const Real height = normal.dot(apart), slack = rounding * edge_length();
   // Further beside the triangle nothing touches, however near: whether it does must not change as
   // the gap closes.
@@ -264,7 +272,7 @@ void SurfaceSurface::drop_doubles(std::vector<Touch>& out) {
     return weight == 1 ? faces_of(t).nodes(t.triangle)[static_cast<std::size_t>(corner)]
                        : Index{-1};
   };
-  met_.assign(normals_first_.size(), -1);
+  met_.assign(normals_first_.nodes(), -1);
   for (const Touch& t : out)
     if (!t.nodes_are_second) met_[static_cast<std::size_t>(t.node)] = meets(t);
   std::erase_if(out, [&](const Touch& t) {
@@ -304,46 +312,12 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch& t) const {
   return {0.5, t.node < 0 ? 0.5 : std::numeric_limits<Real>::infinity()};
 }
 
-/// An edge that crosses a triangle must be moved by the smallest of these to be clear of it: by how
-/// far its ends are before and behind, and by how far the place is from the border.
-Real SurfaceSurface::edges_through(const MovingSurface& edges, const MovingSurface& faces) const {
-  Real worst = 0;
-  for (Index t = 0; t < edges.triangles(); ++t) {
-    const auto& nodes = edges.nodes(t);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index from = nodes[k], to = nodes[(k + 1) % 3];
-      if (from > to) continue;  // the triangle beside has it too
-      const Segment edge{edges.point(from), edges.point(to)};
-      Box box;
-      box.add(edge.a), box.add(edge.b);
-      faces.near(box, [&](Index other) {
-        const auto& corners = faces.nodes(other);
-        if (is_self_ && std::any_of(corners.begin(), corners.end(),
-                                    [&](Index node) { return node == from || node == to; }))
-          return;
-        const Corners c = faces.now(other);
-        const Vec3 normal = faces.normal(other);
-        const Real before = normal.dot(edge.a - c[0]), behind = normal.dot(edge.b - c[0]);
-        if (before * behind >= 0) return;
-        const Vec3 place = edge.at(before / (before - behind));
-        Real through = std::min(std::abs(before), std::abs(behind));
-        for (std::size_t i = 0; i < 3; ++i) {
-          const Vec3 side = c[(i + 1) % 3] - c[i];
-          through = std::min(through, normal.dot(side.cross(place - c[i])) / side.norm());
-        }
-        worst = std::max(worst, through);
-      });
-    }
-  }
-  return worst;
-}
-
 /// Touches hold nodes and edges that stand out apart. What they leave out, or a step that was not
 /// solved has left, is an edge of one in a triangle of the other.
-Real SurfaceSurface::unseen_overlap() const {
-  Real worst = edges_through(first_, second());
-  if (!is_self_) worst = std::max(worst, edges_through(second_, first_));
-  return worst > seen * edge_length() ? worst : 0;
+Real SurfaceSurface::unseen_overlap() {
+  const Real least = seen * edge_length();
+  const Real worst = through_first_.deepest(first_, second(), least);
+  return is_self_ ? worst : std::max(worst, through_second_.deepest(second_, first_, least));
 }
 
 /// Of the nodes of one surface to the other.
@@ -362,11 +336,8 @@ Real SurfaceSurface::smallest_distance(const MovingSurface& nodes, const MovingS
 
 Real SurfaceSurface::distance() const {
   SurfaceSurface now(first_.boundary(), second().boundary());
-  now.first_.look(true);
+  now.look(true);
   if (!is_self_) {
-    now.second_.look(true);
-    add_normals(now.first_, now.normals_first_);
-    add_normals(now.second_, now.normals_second_);
     const Real unseen = now.unseen_overlap();
     Real smallest = std::min(smallest_distance(now.first_, now.second_),
                              smallest_distance(now.second_, now.first_));
@@ -377,7 +348,6 @@ Real SurfaceSurface::distance() const {
     return smallest;
   }
   // Of one with itself only what faces each other counts, wider and wider until something does.
-  add_normals(now.first_, now.normals_first_);
   std::vector<Touch> touches;
   const Real widest = now.first_.size();
   for (Real reach = margin * now.edge_length(); touches.empty() && reach < widest; reach *= 4)

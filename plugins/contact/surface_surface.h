@@ -5,7 +5,8 @@
 #include <optional>
 
 #include "bulge.h"
-#include "moving_surface.h"
+#include "edges_through.h"
+#include "near_triangles.h"
 #include "surface_edges.h"
 #include "touch.h"
 
@@ -25,7 +26,7 @@ class SurfaceSurface : public Pair {
   void tell_force(const Touch& touch, const Vec3& force) override {
     second().boundary()->tell_force(-force, touch.at);
   }
-  Real unseen_overlap() const override;
+  Real unseen_overlap() override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -43,26 +44,31 @@ class SurfaceSurface : public Pair {
   Real edge_length() const;
   /// So deep behind a triangle something is taken for having come in there (m).
   Real deepest(const MovingSurface& faces, Index triangle) const;
-  static void add_normals(const MovingSurface& surface, std::vector<Vec3>& normals);
+  /// Both; `standing`: without their ways.
+  void look(bool standing);
   /// Nodes of one surface that look for triangles of the other.
   struct Search {
     const MovingSurface& nodes;
     const MovingSurface& faces;
+    const SurfaceNormals& node_normals;
+    const SurfaceNormals& face_normals;
+    const NearTriangles& near;
     bool nodes_are_second;
     Real reach;   ///< in front of a triangle (m)
     Real around;  ///< m
   };
   struct Seeker {
-    Index node;
     Vec3 at, outward;
     std::optional<bool> is_inside;  ///< the body of the triangles, as far as that was asked
   };
   void meet(bool nodes_are_second, Real reach, std::vector<Touch>& out);
   /// False if the node touches nothing.
-  bool meet(const Search& search, const MovingSurface::SurfaceNode& n, Touch& touch);
-  bool never_meet(const Search& search, Index node, Index triangle) const;
-  static bool ends_a_cut(const MovingSurface& surface, const MovingSurface::SurfaceNode& n);
-  static bool faces_a_side(const MovingSurface& nodes, const MovingSurface::SurfaceNode& n,
+  bool meet(const Search& search, std::size_t place, Touch& touch);
+  bool is_said_already(const Search& search, Index triangle) const;
+  static bool ends_a_cut(const Search& search, const MovingSurface::SurfaceNode& n);
+  static Real turned_away(const Search& search, const MovingSurface::SurfaceNode& n,
+                          const Vec3& outward);
+  static bool faces_a_side(const Search& search, const MovingSurface::SurfaceNode& n,
                            const Vec3& normal);
   /// Where on its way a node goes through a triangle, deeper than touches see: until when it is
   /// free, and where on the triangle; 1 if it does not.
@@ -74,12 +80,9 @@ class SurfaceSurface : public Pair {
                   Index triangle) const;
   /// Edges of the first against edges of the second.
   void meet_edges(Real reach, std::vector<Touch>& out);
-  void meet_edges(Index i, const SurfaceEdges::Edge& e, Index j, const SurfaceEdges::Edge& f,
-                  Real reach, std::vector<Touch>& out);
+  void meet_edges(Index i, Index j, Real reach, std::vector<Touch>& out);
   void doubt();
   void drop_doubles(std::vector<Touch>& out);
-  /// How far edges of one stick through triangles of the other.
-  Real edges_through(const MovingSurface& edges, const MovingSurface& faces) const;
   static Real smallest_distance(const MovingSurface& nodes, const MovingSurface& faces);
 
   /// A triangle that a node may touch.
@@ -95,9 +98,12 @@ class SurfaceSurface : public Pair {
   MovingSurface first_, second_;
   ToolWay way_;  ///< of the second, if it is a tool
   bool is_self_;
+  SurfaceNormals normals_first_, normals_second_;
+  NearTriangles near_first_, near_second_;  ///< of the nodes of this one
+  EdgesThrough through_first_, through_second_;
   SurfaceEdges edges_first_, edges_second_;
-  std::vector<Vec3> normals_first_, normals_second_;  ///< by node, not unit; zero inside
-  std::vector<char> touched_first_;                   ///< by node
+  const SurfaceEdges& edges_of_second() const { return is_self_ ? edges_first_ : edges_second_; }
+  std::vector<char> touched_first_;  ///< by node
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
 };
 

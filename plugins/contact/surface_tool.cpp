@@ -235,7 +235,7 @@ Pair::Tolerance SurfaceTool::tolerance(const Touch&) const {
   return {0.5, std::numeric_limits<Real>::infinity()};
 }
 
-Real SurfaceTool::unseen_overlap() const {
+Real SurfaceTool::unseen_overlap() {
   return deepest_ > unsaid * surface_.edge_length() ? deepest_ : 0;
 }
 

@@ -20,7 +20,7 @@ class SurfaceTool : public ToolPair {
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
-  Real unseen_overlap() const override;
+  Real unseen_overlap() override;
   bool sees_left_overlap() const override { return true; }
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;

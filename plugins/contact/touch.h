@@ -79,7 +79,7 @@ class Pair {
   /// After the step: the force on the first.
   virtual void tell_force(const Touch& /*touch*/, const Vec3& /*force*/) {}
   /// After the step: how deep the two overlap where no touch sees it (m).
-  virtual Real unseen_overlap() const { return 0; }
+  virtual Real unseen_overlap() { return 0; }
   /// Does `unseen_overlap` see what touches leave of an overlap as well? Then that alone is a
   /// fault.
   virtual bool sees_left_overlap() const { return false; }

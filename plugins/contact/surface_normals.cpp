@@ -1,0 +1,21 @@
+#include "surface_normals.h"
+
+namespace sutura::contact {
+
+void SurfaceNormals::look(const MovingSurface& surface) {
+  const auto n = static_cast<std::size_t>(surface.triangles());
+  now_.resize(n), start_.resize(n);
+  const auto& nodes = surface.surface_nodes();
+  of_node_.assign(nodes.empty() ? 0 : static_cast<std::size_t>(nodes.back().node) + 1,
+                  Vec3::Zero());
+  const auto across = [](const Corners& c) { return Vec3((c[1] - c[0]).cross(c[2] - c[0])); };
+  for (Index t = 0; t < surface.triangles(); ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    const Vec3 normal = across(surface.now(t));
+    now_[i] = normal.normalized();
+    start_[i] = across(surface.at_start(t)).normalized();
+    for (const Index node : surface.nodes(t)) of_node_[static_cast<std::size_t>(node)] += normal;
+  }
+}
+
+}  // namespace sutura::contact
