@@ -149,7 +149,7 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
   }
   for (int k = 1; k < parts; ++k) {
     if (d[k] > d[k - 1] || d[k] >= d[k + 1]) continue;
-    const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts);
+    const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts, 40);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
     if (here < nearest - dip * radius)
@@ -169,15 +169,16 @@ CurveTool::Lowest CurveTool::lowest(const CurveSegment& s, Real exact) const {
     before = p;
   }
   if (least - spacing > exact) return {Real(k) / parts, least - spacing};
-  const Real u =
-      lowest_between(s, Real(std::max(k - 1, 0)) / parts, Real(std::min(k + 1, parts)) / parts);
+  // About a dip the distance is flat: a place to a ten-thousandth of the segment tells it.
+  const Real u = lowest_between(s, Real(std::max(k - 1, 0)) / parts,
+                                Real(std::min(k + 1, parts)) / parts, 12);
   const Real there = from_tool(s, u).distance;
   return there < least ? Lowest{u, there} : Lowest{Real(k) / parts, least};
 }
 
 /// Where between two points of a segment, with a dip in between, its slope against the tool is 0.
-Real CurveTool::lowest_between(const CurveSegment& s, Real low, Real high) const {
-  for (int n = 0; n < 40; ++n) {
+Real CurveTool::lowest_between(const CurveSegment& s, Real low, Real high, int halvings) const {
+  for (int n = 0; n < halvings; ++n) {
     const Real u = (low + high) / 2;
     (from_tool(s, u).normal.dot(s.slope(u)) < 0 ? low : high) = u;
   }

@@ -14,9 +14,15 @@ bool MovingSurface::look(bool standing) {
   else if (now_.generation == seen_now && start_.generation == seen_start && stands_ == standing)
     return false;
   stands_ = standing;
+  fitted_ = false;
+  return true;
+}
+
+void MovingSurface::fit() const {
+  if (fitted_ || !tree_) return;
+  fitted_ = true;
   ways_.resize(static_cast<std::size_t>(triangles()));
   tree_->refit(boxes_, [this](Index t) { return ways_[static_cast<std::size_t>(t)] = way(t); });
-  return true;
 }
 
 /// What stays as it is at rest: so a run that was interrupted finds the same.

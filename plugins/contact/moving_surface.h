@@ -34,9 +34,9 @@ class MovingSurface {
   /// Displacement over the step of a point of a triangle.
   Vec3 moved(Index triangle, const Vec3& weights) const;
   /// May p be inside? If not, it is not.
-  bool bounds(const Vec3& p) const { return !boxes_.empty() && boxes_[0].squared_distance(p) == 0; }
-  /// Diagonal of the box around it, along the axes (m).
-  Real size() const { return boxes_.empty() ? 0 : (boxes_[0].high - boxes_[0].low).norm(); }
+  bool bounds(const Vec3& p) const { return around_all().squared_distance(p) == 0; }
+  /// Diagonal of the box around its way, along the axes (m).
+  Real size() const { return triangles() > 0 ? (around_all().high - around_all().low).norm() : 0; }
   /// Nodes of the surface by ascending number, each as a corner of one of its triangles.
   struct SurfaceNode {
     Index node = -1, triangle = -1;
@@ -55,16 +55,23 @@ class MovingSurface {
   /// Calls `item(triangle)` for those whose way may meet the box.
   template <class Item>
   void near(const Box& box, const Item& item) const {
-    if (tree_)
-      tree_->visit(
-          boxes_, [&](const Box& b) { return b.meets(box); },
-          [&](Index t) {
-            if (ways_[static_cast<std::size_t>(t)].meets(box)) item(t);
-          });
+    if (triangles() == 0) return;
+    fit();
+    tree_->visit(
+        boxes_, [&](const Box& b) { return b.meets(box); },
+        [&](Index t) {
+          if (ways_[static_cast<std::size_t>(t)].meets(box)) item(t);
+        });
   }
 
  private:
   Box way(Index triangle) const;
+  /// The boxes, if somebody asks for them.
+  void fit() const;
+  Box around_all() const {
+    fit();
+    return boxes_.empty() ? Box{} : boxes_[0];
+  }
   void learn();
   void learn_thickness(const TriangleSurface& rest);
 
@@ -72,8 +79,9 @@ class MovingSurface {
   TriangleSurface start_, now_;
   bool stands_ = false;
   std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
-  BoxTree::Boxes boxes_;
-  std::vector<Box> ways_;  ///< by triangle: around its way
+  mutable bool fitted_ = false;
+  mutable BoxTree::Boxes boxes_;
+  mutable std::vector<Box> ways_;  ///< by triangle: around its way
   std::vector<SurfaceNode> nodes_;
   Real edge_length_ = 0;
   std::vector<Real> thickness_;  ///< by triangle

@@ -28,14 +28,11 @@ void SurfaceEdges::learn(const MovingSurface& surface) {
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
     return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
   });
-  of_triangle_.assign(static_cast<std::size_t>(surface.triangles()), {-1, -1, -1});
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
       ++end;
     if (end == i + 2) {  // where two parts meet in an edge only, it has four sides, and is left out
-      auto& slots = of_triangle_[static_cast<std::size_t>(sides[i].triangle)];
-      *std::find(slots.begin(), slots.end(), -1) = static_cast<Index>(edges_.size());
       Index opposite = 0;
       for (const Index node : surface.nodes(sides[i + 1].triangle))
         if (node != sides[i].low && node != sides[i].high) opposite = node;

@@ -28,13 +28,8 @@ class SurfaceEdges {
   /// All edges between two triangles, once.
   void learn(const MovingSurface& surface);
   bool known() const { return known_; }
-  const std::vector<Edge>& all() const { return edges_; }
-  /// Calls item(number) for the edges whose first triangle this is.
-  template <class Item>
-  void of(Index triangle, const Item& item) const {
-    for (const Index e : of_triangle_[static_cast<std::size_t>(triangle)])
-      if (e >= 0) item(e);
-  }
+  Index size() const { return static_cast<Index>(edges_.size()); }
+  const Edge& operator[](Index edge) const { return edges_[static_cast<std::size_t>(edge)]; }
 
   /// Where it is at a time of the step.
   static Segment at(const MovingSurface& surface, const Edge& edge, Real time);
@@ -60,7 +55,6 @@ class SurfaceEdges {
   bool known_ = false;
   std::vector<Edge> edges_;
   std::vector<std::array<Sides, 2>> sides_;  ///< by edge and When
-  std::vector<std::array<Index, 3>> of_triangle_;
 };
 
 }  // namespace sutura::contact

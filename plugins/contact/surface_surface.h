@@ -81,6 +81,14 @@ class SurfaceSurface : public Pair {
   /// Edges of the first against edges of the second.
   void meet_edges(Real reach, std::vector<Touch>& out);
   void meet_edges(Index i, Index j, Real reach, std::vector<Touch>& out);
+  /// An edge that stands out, as the step begins or now.
+  struct Ridge {
+    Index edge;
+    bool is_second;
+    Box way;  ///< that of the first reaches as far as a touch does
+  };
+  void add_ridges(bool of_second, Real reach);
+  void find_near_ridges();
   void doubt();
   void drop_doubles(std::vector<Touch>& out);
   static Real smallest_distance(const MovingSurface& nodes, const MovingSurface& faces);
@@ -102,6 +110,8 @@ class SurfaceSurface : public Pair {
   NearTriangles near_first_, near_second_;  ///< of the nodes of this one
   EdgesThrough through_first_, through_second_;
   SurfaceEdges edges_first_, edges_second_;
+  std::vector<Ridge> ridges_;
+  std::vector<std::pair<Index, Index>> near_ridges_;  ///< ascending
   const SurfaceEdges& edges_of_second() const { return is_self_ ? edges_first_ : edges_second_; }
   std::vector<char> touched_first_;  ///< by node
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
