@@ -195,9 +195,9 @@ class Simulation {
   void take_stretch(Real begin, Real length, Real due, Timer& timer);
   void begin_report();
   void record();
-  bool balance(StepContext context, Timer& timer);
+  bool balance(StepContext context, Index most, Timer& timer);
   bool needs_first_order(const StepContext& context) const;
-  bool balance_in_first_order(StepContext context, Timer& timer);
+  bool balance_in_first_order(StepContext context, Index most, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
   void detect(const StepContext& context);
   void build(const StepContext& context, Timer& timer);

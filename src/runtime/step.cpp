@@ -17,6 +17,10 @@
 namespace sutura {
 namespace {
 
+/// Times as many passes where no length of the step was solved: what jumps, as a loop that slips
+/// off a tool, goes all of its way in any step, however short.
+constexpr Index last_try = 5;
+
 /// What a guess lacks, in units of the tolerance that it misses most.
 Real times_tolerance(Real violation, const std::vector<Imbalance>& imbalance,
                      const StepLimits& limits) {
@@ -75,7 +79,8 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
                               .tolerance = scene_->limits.tolerance,
                               .early = std::max(Real(0), due - time)};
     finest = std::max(finest, division.parts());
-    const bool balanced = balance(context, timer), known = knows_ways();
+    const Index most = scene_->limits.passes * (division.is_last_try() ? last_try : 1);
+    const bool balanced = balance(context, most, timer), known = knows_ways();
     const bool solved = balanced && known && is_short_enough(context);
     // However well a guess is balanced, it is of no use where something may have gone through.
     constexpr Real no_use = std::numeric_limits<Real>::infinity();
@@ -91,20 +96,20 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
 }
 
 /// Finds the end of the step: where the momentum of every body balances and every law holds, both
-/// as measured there. False if the passes do not get that far.
-bool Simulation::balance(StepContext context, Timer& timer) {
+/// as measured there. False if `most` passes do not get that far.
+bool Simulation::balance(StepContext context, Index most, Timer& timer) {
   // Tracks and graspers say where the tools are at the end of the step, loads what they weigh.
   timer.enter(Stage::inputs);
   for (const NamedBody& b : bodies_) b.body->load().setZero(b.body->dofs());
   for (Driver* driver : drivers_) ask(driver).drive(context);
   for (const NamedBody& b : bodies_) ask(b.body).begin_step(context);
   build(context, timer);
-  if (needs_first_order(context)) return balance_in_first_order(context, timer);
+  if (needs_first_order(context)) return balance_in_first_order(context, most, timer);
 
   forget_passes();
   best_guess_->forget();
   const Index least = least_passes();
-  Index most = std::max(least, scene_->limits.passes);
+  most = std::max(least, most);
   Index saddles = 0;
   while (context.pass < most) {
     better_guess_->begin_pass(settled_);
@@ -112,7 +117,7 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     ++context.pass;
     ++report_.passes;
     build(context, timer);
-    if (needs_first_order(context)) return balance_in_first_order(context, timer);
+    if (needs_first_order(context)) return balance_in_first_order(context, most, timer);
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) break;
@@ -133,14 +138,14 @@ bool Simulation::balance(StepContext context, Timer& timer) {
     forget_passes();
     if (fired > 0) continue;
     if (!leave_saddles()) {
-      return goes_on_as_before(context) || balance_in_first_order(context, timer);
+      return goes_on_as_before(context) || balance_in_first_order(context, most, timer);
     }
     constexpr Index most_saddles = 16;
     if (++saddles > most_saddles) break;
     most += scene_->limits.passes;
     build(context, timer);
   }
-  if (context.order > 1) return balance_in_first_order(context, timer);
+  if (context.order > 1) return balance_in_first_order(context, most, timer);
   end_with_best_guess(context, timer);
   return false;
 }
@@ -151,10 +156,10 @@ bool Simulation::needs_first_order(const StepContext& context) const {
   return context.order > 1 && problem_.rows() > 0;
 }
 
-bool Simulation::balance_in_first_order(StepContext context, Timer& timer) {
+bool Simulation::balance_in_first_order(StepContext context, Index most, Timer& timer) {
   report_.order = context.order = 1;
   context.pass = 0;
-  return balance(context, timer);
+  return balance(context, most, timer);
 }
 
 /// One linearisation of all that is not settled about the present guess, and the next guess.

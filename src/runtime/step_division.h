@@ -1,6 +1,7 @@
 // How a step is divided: into 2^level parts, finer after a failure, coarser again after successes.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "sutura/types.h"
@@ -22,9 +23,9 @@ class StepDivision {
     part_ *= 2;
     return true;
   }
-  /// The present part was not solved, and lacks so much. True if it is to be tried at another
-  /// length: at shorter ones first, and where none is solved at the one that lacked least, which is
-  /// then taken as it is. The shortest need not be that one.
+  /// The present part was not solved, and lacks so much; 0 if it is balanced, but too long. True if
+  /// it is to be tried at another length: at shorter ones first, and where none is solved at the one
+  /// that lacked least, which is then taken as it is. The shortest need not be that one.
   bool try_again(Real lacks) {
     if (is_last_try_) return false;
     if (lacks <= least_) {
@@ -32,12 +33,16 @@ class StepDivision {
       best_ = parts_;
     }
     if (halve()) return true;
-    if (best_ == parts_) return false;
+    // The same once more is of use only with more passes.
+    const bool may_balance = lacks > 0 && std::isfinite(lacks) && most_ > 1;
+    if (best_ == parts_ && !may_balance) return false;
     part_ /= parts_ / best_;
     parts_ = best_;
     is_last_try_ = true;
     return true;
   }
+  /// Is the present part tried for the last time?
+  bool is_last_try() const { return is_last_try_; }
   /// On to the next part; twice as long a one where it fits, so that a step takes no more than it
   /// needs.
   void next() {

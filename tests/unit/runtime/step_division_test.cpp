@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 using namespace sutura;
@@ -82,12 +83,28 @@ TEST(StepDivision, GoesBackToWhatLackedLeast) {
   division.next();
   EXPECT_EQ(division.parts(), 2);
   EXPECT_EQ(division.begin(), 0.5);
-  // A new part: what lacked least before counts no more. Of equals the shortest.
+  // A new part: what lacked least before counts no more. Of equals the shortest, with more passes.
   EXPECT_TRUE(division.try_again(9));
-  EXPECT_FALSE(division.try_again(9));
+  EXPECT_FALSE(division.is_last_try());
+  EXPECT_TRUE(division.try_again(9));
+  EXPECT_TRUE(division.is_last_try());
   EXPECT_EQ(division.parts(), 4);
+  EXPECT_EQ(division.begin(), 0.5);
+  EXPECT_FALSE(division.try_again(9));
   division.next();
   EXPECT_EQ(division.begin(), 0.75);
+}
+
+// The same length is not tried again where more passes are of no use: what is balanced but too
+// long, what is not finite, and a step that is not to be divided.
+TEST(StepDivision, TriesTheSameAgainOnlyForMorePasses) {
+  for (const Real lacks : {Real(0), std::numeric_limits<Real>::infinity()}) {
+    StepDivision division(2);
+    EXPECT_TRUE(division.try_again(lacks));
+    EXPECT_FALSE(division.try_again(lacks));
+  }
+  StepDivision whole(1);
+  EXPECT_FALSE(whole.try_again(3));
 }
 
 TEST(StepDivision, NeverDividesIfToldSo) {
