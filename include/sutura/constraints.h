@@ -213,8 +213,12 @@ class ConstraintSource {
   /// a step is about (which surface, which sample) is best decided in pass 0 and kept.
   virtual void detect(const StepContext&) {}
   /// Of what `detect` has looked at: how much of the straight way from the start of the step to the
-  /// guess may be gone, 1 if all of it. No guess goes further, whatever the solver finds.
+  /// guess may be gone, 1 if all of it; or of that from the guess that it was told to keep, if that
+  /// is free. No guess goes further, whatever the solver finds.
   virtual Real free_way() const { return 1; }
+  /// All that there is has come to the present guess on ways that are free. What slides round a
+  /// corner goes on from here, where the straight way from the start of the step is barred.
+  virtual void keep_guess() {}
   /// Appends blocks, with their violation at the current configuration of the bodies. The order of
   /// blocks must depend on nothing but the state.
   virtual void build(const StepContext& context, ConstraintBuilder& builder) = 0;

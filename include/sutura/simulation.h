@@ -200,6 +200,7 @@ class Simulation {
   bool balance_in_first_order(StepContext context, Index most, Timer& timer);
   void pass(const StepContext& context, Timer& timer);
   void detect(const StepContext& context);
+  void keep_guess();
   void build(const StepContext& context, Timer& timer);
   void check_gaps();
   void lead_gaps(const StepContext& context);

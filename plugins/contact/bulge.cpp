@@ -5,10 +5,10 @@
 
 namespace sutura::contact {
 
-void ToolWay::look(const RigidTool& tool) {
-  start_ = tool.placed_without_spin(Configuration::start);
-  half_way_ = tool.placed_half_way();
+void ToolWay::look(const RigidTool& tool, bool goes_on) {
   end_ = tool.placed(Configuration::current);
+  start_ = goes_on ? end_ : tool.placed_without_spin(Configuration::start);
+  half_way_ = goes_on ? end_ : tool.placed_half_way();
   turn_ = start_.rotation.angularDistance(end_.rotation);
   const auto is_end = [&](const Pose& p) {
     return p.position == end_.position && p.rotation.coeffs() == end_.rotation.coeffs();

@@ -32,7 +32,8 @@ inline Real turn_of_needle(const CurveBody& of, const CurveSegment& was, const C
 /// A rigid tool on its way through a step.
 class ToolWay {
  public:
-  void look(const RigidTool& tool);
+  /// `goes_on`: what is looked at begins its way where the tool has come to the end of its own.
+  void look(const RigidTool& tool, bool goes_on);
   /// How far a beam, or a triangle, may be from its straight way seen from the tool (m). Where it
   /// was and where it is, seen from there.
   Real bulge(const CurveBody& of, const CurveSegment& was, const CurveSegment& is) const;

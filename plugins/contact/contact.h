@@ -23,6 +23,7 @@ class Contact : public Component, public ConstraintSource {
   void detect(const StepContext& context) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  void keep_guess() override { pair_->keep_guess(); }
   Real free_way() const override { return pair_->free_way(); }
   bool knows_way() const override { return pair_->knows_way(); }
   std::string fault() const override;

@@ -11,7 +11,6 @@ class CurveCurve : public Pair {
  public:
   CurveCurve(const SegmentedCurve& first, const SegmentedCurve& second)
       : first_(first), second_(second), is_self_(&first == &second) {}
-  void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   bool find_again(Real first, Real second, Touch& touch) const override;
   Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
@@ -23,11 +22,15 @@ class CurveCurve : public Pair {
   Tolerance tolerance(const Touch& touch) const override;
   bool are_one(Real first, Real second) const override;
 
+ protected:
+  void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  void keep() override;
+
  private:
   const MovingCurve& b() const { return is_self_ ? a_ : b_; }
   const CurveTree& tree_b() const { return is_self_ ? tree_a_ : tree_b_; }
   void look();
-  void look_at_start();
+  void look_at_beginning();
   void add_up_turns();
   /// May segments i and j of one curve touch? Only if it turns about between them.
   bool are_apart(std::size_t i, std::size_t j) const;
@@ -46,7 +49,7 @@ class CurveCurve : public Pair {
   bool is_self_;
   MovingCurve a_, b_;
   CurveTree tree_a_, tree_b_;
-  std::vector<Real> start_turn_;  ///< of each segment of a (rad)
+  std::vector<Real> begin_turn_;  ///< of each segment of a, where its way begins (rad)
   std::vector<Real> turned_;      ///< up to each segment of a, over the step the most (rad)
 };
 

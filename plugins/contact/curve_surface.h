@@ -15,7 +15,6 @@ class CurveSurface : public Pair {
   CurveSurface(const SegmentedCurve& curve, std::shared_ptr<const Boundary> boundary,
                const Passage* passage)
       : curve_(curve), surface_(std::move(boundary)), passage_(passage) {}
-  void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
@@ -27,6 +26,10 @@ class CurveSurface : public Pair {
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
+ protected:
+  void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  void keep() override;
+
  private:
   /// A point of the curve and the point of a triangle closest to it.
   struct Near {
@@ -36,7 +39,9 @@ class CurveSurface : public Pair {
     Vec3 apart = Vec3::Zero();  ///< from the triangle to the curve (m)
     Real distance = 0;          ///< m
   };
-  void look(bool standing);
+  void look(MovingSurface::Way way);
+  /// What of the curve belongs to channels, by where the step begins.
+  void look_inside();
   bool began_nearer(std::size_t segment, Real part) const;
   void hand_over(Passage::Stretch& stretch);
   void hand_over_ends();

@@ -26,27 +26,36 @@ bool stays_off(const ShapeDistance& at_p, const Vec3& p, const Vec3& q, Real cle
 }  // namespace
 
 void CurveTool::look() {
-  seen_.look(curve_, start_is_known_);
+  const bool begins_elsewhere = !start_is_known_ || seen_.goes_on || goes_on_;
+  seen_.look(curve_, start_is_known_, goes_on_);
   const Pose now = tool_.placed(Configuration::current);
-  way_.look(tool_);
+  const Pose start = tool_.placed_without_spin(Configuration::start);
+  way_.look(tool_, goes_on_);
   for (CurveSegment& s : seen_.now) s = seen_from(now, s);
-  if (!start_is_known_) look_at_start();
+  for (CurveSegment& s : seen_.start)
+    if (!start_is_known_) s = seen_from(start, s);
   start_is_known_ = true;
+  if (begins_elsewhere) look_at_beginning();
 }
 
-void CurveTool::look_at_start() {
-  const Pose frame = tool_.placed_without_spin(Configuration::start);
-  start_at_node_.clear();
-  start_room_.clear();
-  for (CurveSegment& s : seen_.start) {
-    s = seen_from(frame, s);
+void CurveTool::look_at_beginning() {
+  begin_at_node_.clear();
+  begin_room_.clear();
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const CurveSegment& s = seen_.from(i);
     const Real middle = tool_.shape().at((s.xa + s.xb) / 2).distance;
-    start_room_.push_back(middle - MovingCurve::extent(s));
+    begin_room_.push_back(middle - MovingCurve::extent(s));
   }
   for (std::size_t node = 0; node <= seen_.size(); ++node) {
     const auto [i, u] = place_of(node);
-    start_at_node_.push_back(tool_.shape().at(u > 0 ? seen_.start[i].xb : seen_.start[i].xa));
+    begin_at_node_.push_back(tool_.shape().at(u > 0 ? seen_.from(i).xb : seen_.from(i).xa));
   }
+}
+
+void CurveTool::keep() {
+  seen_.keep(curve_);
+  const Pose now = tool_.placed(Configuration::current);
+  for (CurveSegment& s : seen_.guess) s = seen_from(now, s);
 }
 
 std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
@@ -54,7 +63,7 @@ std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
   return {is_end ? node - 1 : node, is_end ? 1 : 0};
 }
 
-void CurveTool::find(const TouchedPlaces& before, std::vector<Touch>& out) {
+void CurveTool::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
   begin_look();
   for (std::size_t node = 0; node <= seen_.size(); ++node) find_at_node(node, out);
@@ -66,10 +75,10 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
   const auto [i, u] = place_of(node);
   if (seen_.now[i].cut) return;
   const Real radius = seen_.now[i].radius;
-  const Vec3 from = u > 0 ? seen_.start[i].xb : seen_.start[i].xa;
+  const Vec3 from = u > 0 ? seen_.from(i).xb : seen_.from(i).xa;
   const Vec3 to = u > 0 ? seen_.now[i].xb : seen_.now[i].xa;
   const Real motion = (to - from).norm();
-  const ShapeDistance& begin = start_at_node_[node];
+  const ShapeDistance& begin = begin_at_node_[node];
   if (begin.distance - motion > (1 + margin) * radius) return;
   const ShapeDistance end = tool_.shape().at(to);
   const bool is_free = stays_off(begin, from, to, clearance * radius) ||
@@ -92,7 +101,7 @@ void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
 }
 
 bool CurveTool::is_far(std::size_t i, Real aside) const {
-  return start_room_[i] - seen_.motion(i) - aside > (1 + margin) * seen_.start[i].radius;
+  return begin_room_[i] - seen_.motion(i) - aside > (1 + margin) * seen_.now[i].radius;
 }
 
 Real CurveTool::way_of(std::size_t i, Real more, Lowest& at) const {
@@ -100,10 +109,10 @@ Real CurveTool::way_of(std::size_t i, Real more, Lowest& at) const {
   const auto is_free = [&](const CurveSegment& seen) {
     const Vec3 p = seen.point(lowest(seen, radius + more).u);
     const ShapeDistance here = tool_.shape().at(p);
-    const Real height = lowest_on_the_way(seen_.start[i], seen_.now[i], here.normal);
+    const Real height = lowest_on_the_way(seen_.from(i), seen_.now[i], here.normal);
     return height - here.normal.dot(p) + here.distance >= near;
   };
-  if (is_free(seen_.start[i]) || is_free(seen_.now[i])) return 1;
+  if (is_free(seen_.from(i)) || is_free(seen_.now[i])) return 1;
   return way_through(seen_.motion(i), clearance * radius, [&](Real time) {
     at = lowest(seen_.at(i, time), radius + more);
     return at.distance - more;
@@ -113,7 +122,7 @@ Real CurveTool::way_of(std::size_t i, Real more, Lowest& at) const {
 /// Between nodes, where the curve dips towards the tool: over an edge, round a bend.
 void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
   if (seen_.now[i].cut) return;
-  const Real aside = way_.bulge(curve_, seen_.start[i], seen_.now[i]);
+  const Real aside = way_.bulge(curve_, seen_.from(i), seen_.now[i]);
   if (is_far(i, aside)) return;
   const Real radius = seen_.now[i].radius;
   Lowest at;

@@ -10,7 +10,6 @@ namespace sutura::contact {
 class CurveTool : public ToolPair {
  public:
   CurveTool(const SegmentedCurve& curve, RigidTool& tool) : ToolPair(tool), curve_(curve) {}
-  void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   bool find_again(Real first, Real second, Touch& touch) const override;
   Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
@@ -19,13 +18,17 @@ class CurveTool : public ToolPair {
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
+ protected:
+  void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  void keep() override;
+
  private:
   /// Of the centreline of segment s, seen from the shape, at u.
   ShapeDistance from_tool(const CurveSegment& s, Real u) const {
     return tool_.shape().at(s.point(u));
   }
   void look();
-  void look_at_start();
+  void look_at_beginning();
   /// The segment on which a node is, and where.
   std::pair<std::size_t, Real> place_of(std::size_t node) const;
   Real lowest_between(const CurveSegment& s, Real low, Real high, int halvings) const;
@@ -49,9 +52,9 @@ class CurveTool : public ToolPair {
   const SegmentedCurve& curve_;
   MovingCurve seen_;  ///< from the shape
   ToolWay way_;
-  // At the start of the step, from the shape:
-  std::vector<ShapeDistance> start_at_node_;
-  std::vector<Real> start_room_;  ///< no point of a segment is nearer (m)
+  // Where ways begin, from the shape:
+  std::vector<ShapeDistance> begin_at_node_;
+  std::vector<Real> begin_room_;  ///< no point of a segment is nearer (m)
 };
 
 }  // namespace sutura::contact

@@ -27,7 +27,7 @@ void CurveTree::fit(const MovingCurve& curve) {
   boxes_.resize(2 * first_leaf_);
   for (std::size_t i = 0; i < first_leaf_; ++i)
     boxes_[first_leaf_ + i] =
-        i < leaves_ ? of(curve.start[i], curve.now[i]) : Box{none, -none, none, -none};
+        i < leaves_ ? of(curve.from(i), curve.now[i]) : Box{none, -none, none, -none};
   for (std::size_t k = first_leaf_; k-- > 1;) {
     const Box &a = boxes_[2 * k], &b = boxes_[2 * k + 1];
     boxes_[k] = {a.low.min(b.low), a.high.max(b.high), a.least.min(b.least), a.most.max(b.most)};

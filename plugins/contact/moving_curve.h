@@ -1,5 +1,5 @@
-// A curve on its way through a step: every point goes straight from where it was to where the guess
-// has it.
+// A curve on its way through a step: every point goes straight from where it was, as the step began
+// or at a guess that was kept, to where the guess has it.
 #pragma once
 
 #include <algorithm>
@@ -30,13 +30,18 @@ inline CurveSegment seen_from(const Pose& frame, const CurveSegment& s) {
 }
 
 struct MovingCurve {
-  std::vector<CurveSegment> start, now;
+  std::vector<CurveSegment> start, guess, now;
+  bool goes_on = false;  ///< its way begins at the guess
 
   /// The start of a step is where it was in all of its passes.
-  void look(const SegmentedCurve& curve, bool start_is_known) {
+  void look(const SegmentedCurve& curve, bool start_is_known, bool from_guess) {
     if (!start_is_known) curve.segments(Configuration::start, start);
     curve.segments(Configuration::current, now);
+    goes_on = from_guess;
   }
+  void keep(const SegmentedCurve& curve) { curve.segments(Configuration::current, guess); }
+  /// Where the way of segment i begins.
+  const CurveSegment& from(std::size_t i) const { return goes_on ? guess[i] : start[i]; }
   std::size_t size() const { return now.size(); }
   /// Is segment i the first, or the last, of its piece?
   bool begins_piece(std::size_t i) const { return i == 0 || now[i - 1].cut; }
@@ -53,7 +58,7 @@ struct MovingCurve {
   bool has_node(std::size_t i, Real u) const {
     return u < 1 ? begins_piece(i) || !ends_thick(i - 1) : ends_thick(i);
   }
-  CurveSegment at(std::size_t i, Real time) const { return on_the_way(start[i], now[i], time); }
+  CurveSegment at(std::size_t i, Real time) const { return on_the_way(from(i), now[i], time); }
   /// Points whose convex hull contains a segment.
   static void hull(const CurveSegment& s, Vec3 (&points)[4]) {
     points[0] = s.xa, points[1] = s.xa + s.ma / 3, points[2] = s.xb - s.mb / 3, points[3] = s.xb;
@@ -72,10 +77,10 @@ struct MovingCurve {
   }
   /// No point of segment i moves further, less a `common` motion (m).
   Real motion(std::size_t i, const Vec3& common = Vec3::Zero()) const {
-    Vec3 from[4], to[4];
-    hull(start[i], from), hull(now[i], to);
+    Vec3 was[4], is[4];
+    hull(from(i), was), hull(now[i], is);
     Real most = 0;
-    for (int k = 0; k < 4; ++k) most = std::max(most, (to[k] - from[k] - common).squaredNorm());
+    for (int k = 0; k < 4; ++k) most = std::max(most, (is[k] - was[k] - common).squaredNorm());
     return std::sqrt(most);
   }
   /// No point of segment i is further from the middle of its chord (m).

@@ -11,7 +11,7 @@ namespace sutura::contact {
 
 class NearTriangles {
  public:
-  /// All that come within `reach` of a node on the ways of both through the step are listed (m).
+  /// All that come within `reach` of a node on the ways of both are listed (m).
   void look(const MovingSurface& nodes, const MovingSurface& faces, Real reach);
   /// Of a node, by its place among `surface_nodes`: ascending, none of which it is a corner.
   std::span<const Index> of(std::size_t place) const {

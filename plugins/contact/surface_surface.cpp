@@ -52,14 +52,19 @@ Real SurfaceSurface::deepest(const MovingSurface& faces, Index triangle) const {
   return std::min(depth * edge_length(), half_way * faces.thickness(triangle));
 }
 
-void SurfaceSurface::look(bool standing) {
-  if (first_.look(standing)) normals_first_.look(first_);
-  if (!is_self_ && second_.look(standing)) normals_second_.look(second_);
+void SurfaceSurface::look(MovingSurface::Way way) {
+  if (first_.look(way)) normals_first_.look(first_);
+  if (!is_self_ && second_.look(way)) normals_second_.look(second_);
 }
 
-void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
+void SurfaceSurface::keep() {
+  first_.keep();
+  if (!is_self_) second_.keep();
+}
+
+void SurfaceSurface::look_for_touches(const TouchedPlaces&, std::vector<Touch>& out) {
   begin_look();
-  look(false);
+  look(goes_on_ ? MovingSurface::Way::from_guess : MovingSurface::Way::from_start);
   const Real reach = margin * edge_length();
   meet(false, reach, out);
   if (second().boundary()->is_rigid()) {
@@ -78,8 +83,9 @@ void SurfaceSurface::find(const TouchedPlaces&, std::vector<Touch>& out) {
 void SurfaceSurface::doubt() {
   const RigidTool* tool = second().boundary()->tool();
   if (tool == nullptr) return;
-  way_.look(*tool);
-  const Pose start = tool->placed(Configuration::start), end = tool->placed(Configuration::current);
+  way_.look(*tool, goes_on_);
+  const Pose end = tool->placed(Configuration::current);
+  const Pose start = goes_on_ ? end : tool->placed(Configuration::start);
   for (Index t = 0; t < first_.triangles() && knows_way_; ++t) {
     Corners from = first_.at(t, 0), to = first_.now(t);
     Box box;
@@ -89,7 +95,7 @@ void SurfaceSurface::doubt() {
     }
     const Real more = way_.bulge(from, to);
     if (!(more > arc * edge_length())) continue;
-    const Vec3 common = first_.moved(first_.nodes(t)[0]);
+    const Vec3 common = first_.went(first_.nodes(t)[0]);
     second().near(box.grown(more), [&](Index other) {
       const Real motion = first_.motion(t, common) + second().motion(other, common);
       const auto room = [&](Real time) {
@@ -241,7 +247,7 @@ SurfaceSurface::Near SurfaceSurface::nearest() const {
 SurfaceSurface::Passing SurfaceSurface::passing(const MovingSurface& nodes, Index node,
                                                 const MovingSurface& faces, Index t) const {
   const Real limit = -deepest(faces, t);
-  const Vec3 to = nodes.point(node), from = to - nodes.moved(node);
+  const Vec3 to = nodes.point(node), from = to - nodes.went(node);
   const auto height = [&](Real time) {
     const Corners c = faces.at(t, time);
     const Vec3 n = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
@@ -336,7 +342,7 @@ Real SurfaceSurface::smallest_distance(const MovingSurface& nodes, const MovingS
 
 Real SurfaceSurface::distance() const {
   SurfaceSurface now(first_.boundary(), second().boundary());
-  now.look(true);
+  now.look(MovingSurface::Way::none);
   if (!is_self_) {
     const Real unseen = now.unseen_overlap();
     Real smallest = std::min(smallest_distance(now.first_, now.second_),

@@ -18,7 +18,6 @@ class SurfaceSurface : public Pair {
   /// The first is that of a solid.
   SurfaceSurface(const Side& first, const Side& second)
       : first_(first), second_(second), is_self_(first == second) {}
-  void find(const TouchedPlaces& before, std::vector<Touch>& out) override;
   Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
@@ -29,6 +28,10 @@ class SurfaceSurface : public Pair {
   Real unseen_overlap() override;
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
+
+ protected:
+  void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
+  void keep() override;
 
  private:
   const MovingSurface& second() const { return is_self_ ? first_ : second_; }
@@ -44,8 +47,7 @@ class SurfaceSurface : public Pair {
   Real edge_length() const;
   /// So deep behind a triangle something is taken for having come in there (m).
   Real deepest(const MovingSurface& faces, Index triangle) const;
-  /// Both; `standing`: without their ways.
-  void look(bool standing);
+  void look(MovingSurface::Way way);
   /// Nodes of one surface that look for triangles of the other.
   struct Search {
     const MovingSurface& nodes;
@@ -81,7 +83,7 @@ class SurfaceSurface : public Pair {
   /// Edges of the first against edges of the second.
   void meet_edges(Real reach, std::vector<Touch>& out);
   void meet_edges(Index i, Index j, Real reach, std::vector<Touch>& out);
-  /// An edge that stands out, as the step begins or now.
+  /// An edge that stands out, where its way begins or now.
   struct Ridge {
     Index edge;
     bool is_second;

@@ -52,12 +52,26 @@ class Pair {
  public:
   virtual ~Pair() = default;
   /// Before the first `find` of a step, or of a part of one: where it starts is new.
-  void begin_step() { start_is_known_ = false; }
-  /// At the present guess. Where the straight way from the start of the step to it is barred,
-  /// `free_way` tells, and the touches are of no use.
+  void begin_step() { start_is_known_ = guess_is_kept_ = false; }
+  /// At the present guess. Where the straight way to it is barred, from the start of the step and
+  /// from the guess that is kept, `free_way` tells, and the touches are of no use.
   /// What was touched before is a touch again while it is near: touches do not come and go with
   /// the passes of a step.
-  virtual void find(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
+  void find(const TouchedPlaces& before, std::vector<Touch>& out) {
+    const std::size_t others = out.size();
+    goes_on_ = false;
+    look_for_touches(before, out);
+    if (free_way_ == 1 || !guess_is_kept_) return;
+    out.resize(others);
+    goes_on_ = true;
+    look_for_touches(before, out);
+  }
+  /// The two have come to where they are now on a way that is free.
+  void keep_guess() {
+    if (!knows_way_) return;
+    guess_is_kept_ = true;
+    keep();
+  }
   /// A touch of these places of the two, which `find` has not found this time: `touch` as it is at
   /// the guess. False if they are no longer near each other, or if the pair does not know how.
   virtual bool find_again(Real /*first*/, Real /*second*/, Touch& /*touch*/) const { return false; }
@@ -95,6 +109,9 @@ class Pair {
   virtual Tolerance tolerance(const Touch& touch) const = 0;
 
  protected:
+  virtual void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
+  /// As a guess from which ways may go on.
+  virtual void keep() = 0;
   void begin_look() {
     free_way_ = 1;
     knows_way_ = true;
@@ -102,6 +119,10 @@ class Pair {
   Real free_way_ = 1;
   bool knows_way_ = true;
   bool start_is_known_ = false;  ///< what a pair keeps of the start of the step holds
+  bool goes_on_ = false;         ///< ways begin at the guess that is kept, not with the step
+
+ private:
+  bool guess_is_kept_ = false;
 };
 
 }  // namespace sutura::contact

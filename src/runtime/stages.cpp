@@ -85,6 +85,7 @@ void Simulation::constraint_force(std::size_t body, const GrowingVec& lambda) {
 /// If no pass has met the tolerances, the step ends at the guess with the smallest imbalance.
 void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
   if (!best_guess_->go_back(context)) return;
+  keep_guess();
   build(context, timer);
   const GrowingVec& lambda = best_guess_->lambda();
   if (lambda.size() == problem_.rows()) problem_.lambda = lambda;
@@ -115,6 +116,11 @@ void Simulation::detect(const StepContext& context) {
     }
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) ask(bodies_[i].body).motion(free_motion_[i]);
+  keep_guess();
+}
+
+void Simulation::keep_guess() {
+  for (ConstraintSource* source : sources_) ask(source).keep_guess();
 }
 
 /// A gap that is no number would go unnoticed: every comparison with it is false. Where a body is
