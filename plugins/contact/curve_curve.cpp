@@ -105,9 +105,10 @@ void CurveCurve::look_at_beginning() {
   for (std::size_t i = 0; i < a_.size(); ++i) begin_turn_.push_back(turn(a_.from(i)));
 }
 
-void CurveCurve::keep() {
+bool CurveCurve::keep() {
   a_.keep(first_);
   if (!is_self_) b_.keep(second_);
+  return true;
 }
 
 void CurveCurve::add_up_turns() {

@@ -24,7 +24,7 @@ class CurveCurve : public Pair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  void keep() override;
+  bool keep() override;
 
  private:
   const MovingCurve& b() const { return is_self_ ? a_ : b_; }

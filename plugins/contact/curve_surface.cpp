@@ -35,9 +35,10 @@ void CurveSurface::look(MovingSurface::Way way) {
   if (!goes_on_) look_inside();
 }
 
-void CurveSurface::keep() {
+bool CurveSurface::keep() {
   seen_.keep(curve_);
   surface_.keep();
+  return true;
 }
 
 void CurveSurface::look_inside() {

@@ -28,7 +28,7 @@ class CurveSurface : public Pair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  void keep() override;
+  bool keep() override;
 
  private:
   /// A point of the curve and the point of a triangle closest to it.

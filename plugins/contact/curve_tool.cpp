@@ -52,10 +52,11 @@ void CurveTool::look_at_beginning() {
   }
 }
 
-void CurveTool::keep() {
+bool CurveTool::keep() {
   seen_.keep(curve_);
   const Pose now = tool_.placed(Configuration::current);
   for (CurveSegment& s : seen_.guess) s = seen_from(now, s);
+  return true;
 }
 
 std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {

@@ -20,7 +20,7 @@ class CurveTool : public ToolPair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  void keep() override;
+  bool keep() override;
 
  private:
   /// Of the centreline of segment s, seen from the shape, at u.

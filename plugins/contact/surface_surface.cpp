@@ -57,14 +57,9 @@ void SurfaceSurface::look(MovingSurface::Way way) {
   if (!is_self_ && second_.look(way)) normals_second_.look(second_);
 }
 
-void SurfaceSurface::keep() {
-  first_.keep();
-  if (!is_self_) second_.keep();
-}
-
 void SurfaceSurface::look_for_touches(const TouchedPlaces&, std::vector<Touch>& out) {
   begin_look();
-  look(goes_on_ ? MovingSurface::Way::from_guess : MovingSurface::Way::from_start);
+  look(MovingSurface::Way::from_start);
   const Real reach = margin * edge_length();
   meet(false, reach, out);
   if (second().boundary()->is_rigid()) {
@@ -83,9 +78,8 @@ void SurfaceSurface::look_for_touches(const TouchedPlaces&, std::vector<Touch>& 
 void SurfaceSurface::doubt() {
   const RigidTool* tool = second().boundary()->tool();
   if (tool == nullptr) return;
-  way_.look(*tool, goes_on_);
-  const Pose end = tool->placed(Configuration::current);
-  const Pose start = goes_on_ ? end : tool->placed(Configuration::start);
+  way_.look(*tool, false);
+  const Pose start = tool->placed(Configuration::start), end = tool->placed(Configuration::current);
   for (Index t = 0; t < first_.triangles() && knows_way_; ++t) {
     Corners from = first_.at(t, 0), to = first_.now(t);
     Box box;

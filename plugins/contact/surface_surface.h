@@ -31,7 +31,6 @@ class SurfaceSurface : public Pair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  void keep() override;
 
  private:
   const MovingSurface& second() const { return is_self_ ? first_ : second_; }

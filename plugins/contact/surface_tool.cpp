@@ -35,16 +35,10 @@ Vec3 SurfaceTool::seen(const Vec3& world, Configuration c) const {
   return seen_from(tool_.placed_without_spin(c), world);
 }
 
-Corners SurfaceTool::seen_at_start(Index t) const {
-  Corners out = surface_.at_start(t);
-  for (Vec3& p : out) p = seen(p, Configuration::start);
-  return out;
-}
-
 Corners SurfaceTool::seen_at(Index t, Real time) const {
   Corners from = surface_.at(t, 0), to = surface_.now(t);
   for (std::size_t k = 0; k < 3; ++k) {
-    from[k] = seen_at_beginning(from[k]), to[k] = seen(to[k], Configuration::current);
+    from[k] = seen(from[k], Configuration::start), to[k] = seen(to[k], Configuration::current);
     to[k] = from[k] + time * (to[k] - from[k]);
   }
   return to;
@@ -106,8 +100,8 @@ Real SurfaceTool::way_of(Real motion, const At& distance) const {
 }
 
 void SurfaceTool::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
-  surface_.look(goes_on_ ? MovingSurface::Way::from_guess : MovingSurface::Way::from_start);
-  way_.look(tool_, goes_on_);
+  surface_.look(MovingSurface::Way::from_start);
+  way_.look(tool_, false);
   begin_look();
   deepest_ = 0;
   for (std::size_t k = 0; k < surface_.surface_nodes().size(); ++k) find_at_node(k, out);
@@ -116,16 +110,12 @@ void SurfaceTool::look_for_touches(const TouchedPlaces& before, std::vector<Touc
   for (Index t = 0; t < surface_.triangles(); ++t) find_inside(t, before, out);
 }
 
-void SurfaceTool::keep() {
-  surface_.keep();
-}
-
 /// A tool does not wait for what is in its way: where that goes back to where it was, it may still
 /// be on the wrong side of the tool. So it is touched where the two met, and has to come along.
 void SurfaceTool::find_at_node(std::size_t number, std::vector<Touch>& out) {
   const MovingSurface::SurfaceNode& n = surface_.surface_nodes()[number];
   const Vec3 now = surface_.point(n.node);
-  const Vec3 from = seen_at_beginning(now - surface_.went(n.node));
+  const Vec3 from = seen(now - surface_.moved(n.node), Configuration::start);
   const Vec3 to = seen(now, Configuration::current);
   const Real motion = (to - from).norm();
   const Real reach = margin * surface_.edge_length();
@@ -198,7 +188,7 @@ void SurfaceTool::find_inside(Index t, const TouchedPlaces& before, std::vector<
   const bool was_touched = !std::isnan(before.between(name - 0.5, name + 0.5));
   if (!is_between || !(was_touched || distance < at_nodes - dip * edge)) return;
   touch(name, {t, weights}, met.on, out);
-  leave(seen_at_start(t), out.back());
+  leave(from, out.back());
 }
 
 /// Around nodes that are pressed a rim cuts into triangles that are not touched, and a triangle

@@ -26,7 +26,6 @@ class SurfaceTool : public ToolPair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  void keep() override;
 
  private:
   struct Place {
@@ -34,12 +33,6 @@ class SurfaceTool : public ToolPair {
     Vec3 weights = Vec3::Zero();
   };
   Vec3 seen(const Vec3& world, Configuration c) const;
-  /// Of what is where its way begins, seen from the tool.
-  Vec3 seen_at_beginning(const Vec3& world) const {
-    return seen(world, goes_on_ ? Configuration::current : Configuration::start);
-  }
-  /// Seen from the tool as the step begins.
-  Corners seen_at_start(Index triangle) const;
   /// Seen from the tool, on its way.
   Corners seen_at(Index triangle, Real time) const;
   /// The point of a triangle that is nearest to what is left of the tool without a layer (m): where

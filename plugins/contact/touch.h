@@ -68,9 +68,7 @@ class Pair {
   }
   /// The two have come to where they are now on a way that is free.
   void keep_guess() {
-    if (!knows_way_) return;
-    guess_is_kept_ = true;
-    keep();
+    if (knows_way_) guess_is_kept_ = keep() || guess_is_kept_;
   }
   /// A touch of these places of the two, which `find` has not found this time: `touch` as it is at
   /// the guess. False if they are no longer near each other, or if the pair does not know how.
@@ -110,8 +108,9 @@ class Pair {
 
  protected:
   virtual void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
-  /// As a guess from which ways may go on.
-  virtual void keep() = 0;
+  /// As a guess from which ways may go on. False if none may: where a guess that is free may be so
+  /// deep that nothing is seen from there.
+  virtual bool keep() { return false; }
   void begin_look() {
     free_way_ = 1;
     knows_way_ = true;

@@ -8,7 +8,7 @@ namespace {
 
 /// Touches are found again within half a unit.
 struct Near : Pair {
-  void find(const TouchedPlaces&, std::vector<Touch>&) override {}
+  void look_for_touches(const TouchedPlaces&, std::vector<Touch>&) override {}
   Real built_from(const Touch&) const override { return 1; }
   Vec3 slip(const Touch&) const override { return Vec3::Zero(); }
   void couple(const Touch&, BlockId, const Directions&, ConstraintBuilder&) const override {}
