@@ -165,8 +165,8 @@ Real CurveCurve::needle_arc() const {
   Real most = 0;
   const auto look_at = [&](const MovingCurve& curve, const CurveBody& of) {
     for (std::size_t i = 0; i < curve.size() && curve.now[i].from < of.needle_length(); ++i)
-      most = std::max(
-          most, arc_height(curve.motion(i), turn_of_needle(of, curve.from(i), curve.now[i])));
+      most = std::max(most,
+                      arc_height(curve.motion(i), turn_of_needle(of, curve.from(i), curve.now[i])));
   };
   look_at(a_, first_);
   if (!is_self_) look_at(b_, second_);

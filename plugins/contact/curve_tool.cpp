@@ -180,8 +180,8 @@ CurveTool::Lowest CurveTool::lowest(const CurveSegment& s, Real exact) const {
   }
   if (least - spacing > exact) return {Real(k) / parts, least - spacing};
   // About a dip the distance is flat: a place to a ten-thousandth of the segment tells it.
-  const Real u = lowest_between(s, Real(std::max(k - 1, 0)) / parts,
-                                Real(std::min(k + 1, parts)) / parts, 12);
+  const Real u =
+      lowest_between(s, Real(std::max(k - 1, 0)) / parts, Real(std::min(k + 1, parts)) / parts, 12);
   const Real there = from_tool(s, u).distance;
   return there < least ? Lowest{u, there} : Lowest{Real(k) / parts, least};
 }

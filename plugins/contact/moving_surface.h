@@ -34,7 +34,7 @@ class MovingSurface {
   Corners at_start(Index triangle) const { return start_.corners(triangle); }
   Vec3 point(Index node) const { return now_.point(node); }
   Vec3 moved(Index node) const { return now_.point(node) - start_.point(node); }  ///< in the step
-  Vec3 went(Index node) const { return now_.point(node) - from_.point(node); }  ///< on its way
+  Vec3 went(Index node) const { return now_.point(node) - from_.point(node); }    ///< on its way
   Corners at(Index triangle, Real time) const;
   /// No corner moves further, less a `common` motion (m).
   Real motion(Index triangle, const Vec3& common) const;
@@ -86,7 +86,7 @@ class MovingSurface {
   TriangleSurface start_, now_, from_;
   Way way_from_ = Way::none;
   std::vector<Real> guess_;
-  std::uint64_t guesses_ = 0;  ///< that were kept so far
+  std::uint64_t guesses_ = 0;      ///< that were kept so far
   std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
   mutable bool fitted_ = false;
   mutable BoxTree::Boxes boxes_;

@@ -24,8 +24,8 @@ class StepDivision {
     return true;
   }
   /// The present part was not solved, and lacks so much; 0 if it is balanced, but too long. True if
-  /// it is to be tried at another length: at shorter ones first, and where none is solved at the one
-  /// that lacked least, which is then taken as it is. The shortest need not be that one.
+  /// it is to be tried at another length: at shorter ones first, and where none is solved at the
+  /// one that lacked least, which is then taken as it is. The shortest need not be that one.
   bool try_again(Real lacks) {
     if (is_last_try_) return false;
     if (lacks <= least_) {
