@@ -32,8 +32,8 @@ void CurveTool::look() {
   const Pose start = tool_.placed_without_spin(Configuration::start);
   way_.look(tool_, goes_on_);
   for (CurveSegment& s : seen_.now) s = seen_from(now, s);
-  for (CurveSegment& s : seen_.start)
-    if (!start_is_known_) s = seen_from(start, s);
+  if (!start_is_known_)
+    for (CurveSegment& s : seen_.start) s = seen_from(start, s);
   start_is_known_ = true;
   if (begins_elsewhere) look_at_beginning();
 }

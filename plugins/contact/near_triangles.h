@@ -13,7 +13,7 @@ class NearTriangles {
  public:
   /// All that come within `reach` of a node on the ways of both are listed (m).
   void look(const MovingSurface& nodes, const MovingSurface& faces, Real reach);
-  /// Of a node, by its place among `surface_nodes`: ascending, none of which it is a corner.
+  /// Of a node, by its place among `surface_nodes`: ascending; none that it is a corner of.
   std::span<const Index> of(std::size_t place) const {
     return {triangles_.data() + first_[place], first_[place + 1] - first_[place]};
   }

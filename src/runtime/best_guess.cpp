@@ -9,7 +9,8 @@ BestGuess::BestGuess(const Bodies& bodies) : bodies_(bodies) {
   for (const auto& b : bodies_) motion_.push_back(VecX::Zero(b.body->dofs()));
 }
 
-void BestGuess::look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda) {
+void BestGuess::look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda,
+                     bool reached) {
   Real lacks = 0;
   for (const Imbalance& i : imbalance) {
     if (!std::isfinite(i.force)) return;
@@ -19,6 +20,7 @@ void BestGuess::look(const std::vector<Imbalance>& imbalance, const GrowingVec& 
   least_ = lacks;
   for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].body->motion(motion_[i]);
   lambda_ = lambda;
+  reached_ = reached;
 }
 
 bool BestGuess::go_back(const StepContext& context) const {

@@ -18,10 +18,11 @@ class BestGuess {
   explicit BestGuess(const Bodies& bodies);
   /// A new step.
   void forget() { least_ = -1; }
-  /// The present guess, with what its balance lacks per body.
-  void look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda);
+  /// The present guess, with what its balance lacks per body; `reached`: on ways that were free.
+  void look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda, bool reached);
   /// Moves the bodies to the best guess that was finite. False if there was none.
   bool go_back(const StepContext& context) const;
+  bool was_reached() const { return reached_; }
   /// The forces of the constraints there.
   const GrowingVec& lambda() const { return lambda_; }
 
@@ -30,6 +31,7 @@ class BestGuess {
   Real least_ = -1;           ///< N; negative: no guess yet
   std::vector<VecX> motion_;  ///< per body, m and rad
   GrowingVec lambda_;
+  bool reached_ = false;
 };
 
 }  // namespace sutura

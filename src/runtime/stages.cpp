@@ -85,7 +85,7 @@ void Simulation::constraint_force(std::size_t body, const GrowingVec& lambda) {
 /// If no pass has met the tolerances, the step ends at the guess with the smallest imbalance.
 void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
   if (!best_guess_->go_back(context)) return;
-  keep_guess();
+  if (best_guess_->was_reached()) keep_guess();
   build(context, timer);
   const GrowingVec& lambda = best_guess_->lambda();
   if (lambda.size() == problem_.rows()) problem_.lambda = lambda;

@@ -29,6 +29,12 @@ Real times_tolerance(Real violation, const std::vector<Imbalance>& imbalance,
   return std::isfinite(most) ? most : std::numeric_limits<Real>::infinity();
 }
 
+Real least_free_way(const std::vector<ConstraintSource*>& sources) {
+  Real least = 1;
+  for (const ConstraintSource* source : sources) least = std::min(least, source->free_way());
+  return least;
+}
+
 }  // namespace
 
 /// A component that throws ends the run: the bodies stay as they are in the middle of the step.
@@ -121,7 +127,7 @@ bool Simulation::balance(StepContext context, Index most, Timer& timer) {
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) break;
-    best_guess_->look(imbalance_, problem_.lambda);
+    best_guess_->look(imbalance_, problem_.lambda, least_free_way(sources_) == 1);
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
