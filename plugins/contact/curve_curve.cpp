@@ -87,36 +87,29 @@ Real height_between(const CurveSegment& a, const CurveSegment& b, const Vec3& n)
 }  // namespace
 
 void CurveCurve::look() {
-  const bool begins_elsewhere = !start_is_known_ || a_.goes_on || goes_on_;
-  a_.look(first_, start_is_known_, goes_on_);
+  a_.look(first_, start_is_known_);
   tree_a_.fit(a_);
   if (is_self_) {
-    if (begins_elsewhere) look_at_beginning();
+    if (!start_is_known_) look_at_start();
     add_up_turns();
   } else {
-    b_.look(second_, start_is_known_, goes_on_);
+    b_.look(second_, start_is_known_);
     tree_b_.fit(b_);
   }
   start_is_known_ = true;
 }
 
-void CurveCurve::look_at_beginning() {
-  begin_turn_.clear();
-  for (std::size_t i = 0; i < a_.size(); ++i) begin_turn_.push_back(turn(a_.from(i)));
-}
-
-bool CurveCurve::keep() {
-  a_.keep(first_);
-  if (!is_self_) b_.keep(second_);
-  return true;
+void CurveCurve::look_at_start() {
+  start_turn_.clear();
+  for (const CurveSegment& s : a_.start) start_turn_.push_back(turn(s));
 }
 
 void CurveCurve::add_up_turns() {
   turned_.resize(a_.size() + 1);
   turned_[0] = 0;
   for (std::size_t i = 0; i < a_.size(); ++i)
-    turned_[i + 1] = turned_[i] + std::max(begin_turn_[i], turn(a_.now[i])) *
-                                      turn_on_the_way(a_.from(i), a_.now[i]);
+    turned_[i + 1] = turned_[i] + std::max(start_turn_[i], turn(a_.now[i])) *
+                                      turn_on_the_way(a_.start[i], a_.now[i]);
 }
 
 bool CurveCurve::are_apart(std::size_t i, std::size_t j) const {
@@ -165,8 +158,8 @@ Real CurveCurve::needle_arc() const {
   Real most = 0;
   const auto look_at = [&](const MovingCurve& curve, const CurveBody& of) {
     for (std::size_t i = 0; i < curve.size() && curve.now[i].from < of.needle_length(); ++i)
-      most = std::max(most,
-                      arc_height(curve.motion(i), turn_of_needle(of, curve.from(i), curve.now[i])));
+      most = std::max(
+          most, arc_height(curve.motion(i), turn_of_needle(of, curve.start[i], curve.now[i])));
   };
   look_at(a_, first_);
   if (!is_self_) look_at(b_, second_);
@@ -184,7 +177,7 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
                       std::vector<Touch>& out) {
   const CurveSegment &a = a_.now[i], &c = b().now[j];
   if (is_self_ && a.rigid >= 0 && a.rigid == c.rigid) return;
-  const CurveSegment &a0 = a_.from(i), &c0 = b().from(j);
+  const CurveSegment &a0 = a_.start[i], &c0 = b().start[j];
   const Real R = reach(a, c);
   const Vec3 common = (a.xa - a0.xa + c.xa - c0.xa) / 2;
   const Real motion = a_.motion(i, common) + b().motion(j, common);
@@ -377,7 +370,7 @@ Real CurveCurve::distance() const {
   now.a_.start = now.a_.now;
   now.tree_a_.fit(now.a_);
   if (is_self_) {
-    now.look_at_beginning();
+    now.look_at_start();
     now.add_up_turns();
   }
   second_.segments(Configuration::current, now.b_.now);

@@ -24,13 +24,12 @@ class CurveCurve : public Pair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  bool keep() override;
 
  private:
   const MovingCurve& b() const { return is_self_ ? a_ : b_; }
   const CurveTree& tree_b() const { return is_self_ ? tree_a_ : tree_b_; }
   void look();
-  void look_at_beginning();
+  void look_at_start();
   void add_up_turns();
   /// May segments i and j of one curve touch? Only if it turns about between them.
   bool are_apart(std::size_t i, std::size_t j) const;
@@ -49,7 +48,7 @@ class CurveCurve : public Pair {
   bool is_self_;
   MovingCurve a_, b_;
   CurveTree tree_a_, tree_b_;
-  std::vector<Real> begin_turn_;  ///< of each segment of a, where its way begins (rad)
+  std::vector<Real> start_turn_;  ///< of each segment of a (rad)
   std::vector<Real> turned_;      ///< up to each segment of a, over the step the most (rad)
 };
 

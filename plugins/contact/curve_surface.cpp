@@ -25,23 +25,12 @@ constexpr Real other_side = 0.9;     // sides whose normals are closer than this
 
 }  // namespace
 
-void CurveSurface::look(MovingSurface::Way way) {
-  const bool stands = way == MovingSurface::Way::none;
-  seen_.look(curve_, start_is_known_, goes_on_);
-  if (stands) seen_.start = seen_.now;
-  start_is_known_ = !stands;
-  surface_.look(way);
-  if (const RigidTool* tool = surface_.boundary()->tool()) way_.look(*tool, goes_on_);
-  if (!goes_on_) look_inside();
-}
-
-bool CurveSurface::keep() {
-  seen_.keep(curve_);
-  surface_.keep();
-  return true;
-}
-
-void CurveSurface::look_inside() {
+void CurveSurface::look(bool standing) {
+  seen_.look(curve_, start_is_known_);
+  if (standing) seen_.start = seen_.now;
+  start_is_known_ = !standing;
+  surface_.look(standing);
+  if (const RigidTool* tool = surface_.boundary()->tool()) way_.look(*tool, false);
   inside_.clear();
   if (passage_ != nullptr) passage_->inside(inside_);
   held_ = inside_;
@@ -62,7 +51,7 @@ bool CurveSurface::began_nearer(std::size_t i, Real part) const {
   MovingCurve::add_to(box, s);
   Real distance = s.radius;
   surface_.near(box.grown(s.radius), [&](Index t) {
-    distance = std::min(distance, closest(s, t, surface_.at_start(t)).distance);
+    distance = std::min(distance, closest(s, t, surface_.at(t, 0)).distance);
   });
   return distance < part * s.radius;
 }
@@ -100,12 +89,11 @@ bool CurveSurface::is_inside(Real low, Real high) const {
 
 /// How far a segment may be from its straight way seen from the surface (m).
 Real CurveSurface::bulge(std::size_t i) const {
-  const CurveSegment &is = seen_.now[i], &was = seen_.from(i);
+  const CurveSegment &is = seen_.now[i], &was = seen_.start[i];
   const RigidTool* tool = surface_.boundary()->tool();
   if (tool == nullptr) return arc_height(seen_.motion(i), turn_of_needle(curve_, was, is));
-  const Pose end = tool->placed(Configuration::current);
-  const Pose begin = goes_on_ ? end : tool->placed(Configuration::start);
-  return way_.bulge(curve_, seen_from(begin, was), seen_from(end, is));
+  return way_.bulge(curve_, seen_from(tool->placed(Configuration::start), was),
+                    seen_from(tool->placed(Configuration::current), is));
 }
 
 /// May something that turns have gone through, and its straight way beside?
@@ -159,13 +147,13 @@ CurveSurface::Near CurveSurface::closest_to(const CurveSegment& s, Real u, Index
 }
 
 void CurveSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
-  look(goes_on_ ? MovingSurface::Way::from_guess : MovingSurface::Way::from_start);
+  look(false);
   begin_look();
   for (std::size_t i = 0; i < seen_.size(); ++i) meet(i, before, out);
 }
 
 void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
-  const CurveSegment &s = seen_.now[i], &s0 = seen_.from(i);
+  const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
   const Real r = s.radius;
   if (s.cut || is_inside(s.from, s.to)) return;
   Box box;
@@ -312,7 +300,7 @@ Real CurveSurface::unseen_overlap() {
 
 Real CurveSurface::distance() const {
   CurveSurface now(curve_, surface_.boundary(), passage_);
-  now.look(MovingSurface::Way::none);
+  now.look(true);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const CurveSegment& s : now.seen_.now) {
     if (s.cut || now.is_inside(s.from, s.to)) continue;

@@ -28,7 +28,6 @@ class CurveSurface : public Pair {
 
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
-  bool keep() override;
 
  private:
   /// A point of the curve and the point of a triangle closest to it.
@@ -39,9 +38,7 @@ class CurveSurface : public Pair {
     Vec3 apart = Vec3::Zero();  ///< from the triangle to the curve (m)
     Real distance = 0;          ///< m
   };
-  void look(MovingSurface::Way way);
-  /// What of the curve belongs to channels, by where the step begins.
-  void look_inside();
+  void look(bool standing);
   bool began_nearer(std::size_t segment, Real part) const;
   void hand_over(Passage::Stretch& stretch);
   void hand_over_ends();

@@ -1,5 +1,6 @@
 #include "curve_tool.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,8 @@ constexpr Real dip = 0.05;           // what a curve may be nearer than at its t
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int parts = 8;  // in which a segment is looked at
+// Cosine of the angle, 120 degrees, up to which normals are those of sides beside each other.
+constexpr Real opposite = -0.5;
 
 /// A convex shape lies behind the plane of its surface that faces `p`: does the way from p to q
 /// stay before that plane by `clearance`?
@@ -59,6 +62,17 @@ bool CurveTool::keep() {
   return true;
 }
 
+/// What slides round a corner is at another side of the tool than before; what has gone through, or
+/// round the end of a tool or of the curve, at the opposite one.
+bool CurveTool::may_go_on() const {
+  return std::all_of(barred_.begin(), barred_.end(), [&](std::size_t i) {
+    const auto side = [&](const CurveSegment& s) {
+      return tool_.shape().at((s.xa + s.xb) / 2).normal;
+    };
+    return side(seen_.start[i]).dot(side(seen_.now[i])) > opposite;
+  });
+}
+
 std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
   const bool is_end = node > 0 && seen_.ends_thick(node - 1);
   return {is_end ? node - 1 : node, is_end ? 1 : 0};
@@ -67,6 +81,7 @@ std::pair<std::size_t, Real> CurveTool::place_of(std::size_t node) const {
 void CurveTool::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   look();
   begin_look();
+  barred_.clear();
   for (std::size_t node = 0; node <= seen_.size(); ++node) find_at_node(node, out);
   for (std::size_t i = 0; i < seen_.size(); ++i) find_inside(i, before, out);
 }
@@ -97,6 +112,7 @@ void CurveTool::find_at_node(std::size_t node, std::vector<Touch>& out) {
 /// be on the wrong side of the tool. So it is touched where the two met, and has to come along.
 void CurveTool::bar(std::size_t i, Real u, Real way, std::vector<Touch>& out) {
   free_way_ = std::min(free_way_, way);
+  barred_.push_back(i);
   const Vec3 p = seen_.at(i, way).point(u);
   out.push_back(touch_at(i, u, tool_.shape().facet(p)));
 }

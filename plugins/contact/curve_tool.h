@@ -21,6 +21,7 @@ class CurveTool : public ToolPair {
  protected:
   void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) override;
   bool keep() override;
+  bool may_go_on() const override;
 
  private:
   /// Of the centreline of segment s, seen from the shape, at u.
@@ -55,6 +56,7 @@ class CurveTool : public ToolPair {
   // Where ways begin, from the shape:
   std::vector<ShapeDistance> begin_at_node_;
   std::vector<Real> begin_room_;  ///< no point of a segment is nearer (m)
+  std::vector<std::size_t> barred_;  ///< segments, on the way that was looked at last
 };
 
 }  // namespace sutura::contact

@@ -123,8 +123,8 @@ void SurfaceSurface::meet_edges(Index i, Index j, Real reach, std::vector<Touch>
   };
   // Does its way lead through, deeper than a touch sees? Then it is touched where the two met: what
   // is carried does not go back.
-  const CrossedEdges begin = at(0, others.outward(j, SurfaceEdges::begin));
-  if (begin.gap > -deep && !begin.normal.isZero() && faced(begin.normal, SurfaceEdges::begin) &&
+  const CrossedEdges begin = at(0, others.outward(j, SurfaceEdges::start));
+  if (begin.gap > -deep && !begin.normal.isZero() && faced(begin.normal, SurfaceEdges::start) &&
       at(1, begin.normal).gap < -deep) {
     Real low = 0, high = 1;
     for (int k = 0; k < 30; ++k) {

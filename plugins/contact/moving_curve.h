@@ -34,7 +34,7 @@ struct MovingCurve {
   bool goes_on = false;  ///< its way begins at the guess
 
   /// The start of a step is where it was in all of its passes.
-  void look(const SegmentedCurve& curve, bool start_is_known, bool from_guess) {
+  void look(const SegmentedCurve& curve, bool start_is_known, bool from_guess = false) {
     if (!start_is_known) curve.segments(Configuration::start, start);
     curve.segments(Configuration::current, now);
     goes_on = from_guess;

@@ -5,24 +5,17 @@
 
 namespace sutura::contact {
 
-bool MovingSurface::look(Way way) {
-  const std::uint64_t seen_now = now_.generation, seen_from = from_.generation;
+bool MovingSurface::look(bool standing) {
+  const std::uint64_t seen_now = now_.generation, seen_start = start_.generation;
   now_ = boundary_->surface(Configuration::current);
-  start_ = way == Way::none ? now_ : boundary_->surface(Configuration::start);
-  from_ = way == Way::from_guess ? TriangleSurface{now_.triangles, guess_, guesses_} : start_;
+  start_ = standing ? now_ : boundary_->surface(Configuration::start);
   if (!tree_)
     learn();
-  else if (now_.generation == seen_now && from_.generation == seen_from && way_from_ == way)
+  else if (now_.generation == seen_now && start_.generation == seen_start && stands_ == standing)
     return false;
-  way_from_ = way;
+  stands_ = standing;
   fitted_ = false;
   return true;
-}
-
-void MovingSurface::keep() {
-  const std::span<const Real> now = boundary_->surface(Configuration::current).positions;
-  guess_.assign(now.begin(), now.end());
-  ++guesses_;
 }
 
 void MovingSurface::fit() const {
@@ -91,13 +84,13 @@ void MovingSurface::learn_thickness(const TriangleSurface& rest) {
 
 Box MovingSurface::way(Index t) const {
   Box box;
-  for (const Vec3& p : from_.corners(t)) box.add(p);
+  for (const Vec3& p : start_.corners(t)) box.add(p);
   for (const Vec3& p : now_.corners(t)) box.add(p);
   return box;
 }
 
 Corners MovingSurface::at(Index t, Real time) const {
-  const Corners from = from_.corners(t), to = now_.corners(t);
+  const Corners from = start_.corners(t), to = now_.corners(t);
   Corners out;
   for (std::size_t k = 0; k < 3; ++k) out[k] = from[k] + time * (to[k] - from[k]);
   return out;
@@ -105,7 +98,7 @@ Corners MovingSurface::at(Index t, Real time) const {
 
 Real MovingSurface::motion(Index t, const Vec3& common) const {
   Real most = 0;
-  for (const Index node : nodes(t)) most = std::max(most, (went(node) - common).squaredNorm());
+  for (const Index node : nodes(t)) most = std::max(most, (moved(node) - common).squaredNorm());
   return std::sqrt(most);
 }
 

@@ -16,13 +16,8 @@ class MovingSurface {
  public:
   explicit MovingSurface(std::shared_ptr<const Boundary> boundary)
       : boundary_(std::move(boundary)) {}
-  /// Where its way begins: with the step, or at the guess that was kept; or it has none, and is
-  /// seen as it is now.
-  enum class Way { from_start, from_guess, none };
-  /// False if all is where it was at the last look.
-  bool look(Way way);
-  /// As it is now.
-  void keep();
+  /// `standing`: as it is now, without its way. False if all is where it was at the last look.
+  bool look(bool standing = false);
 
   const std::shared_ptr<const Boundary>& boundary() const { return boundary_; }
   Index triangles() const { return now_.size(); }
@@ -30,11 +25,9 @@ class MovingSurface {
     return now_.triangles[static_cast<std::size_t>(triangle)];
   }
   Corners now(Index triangle) const { return now_.corners(triangle); }
-  Corners at_beginning(Index triangle) const { return from_.corners(triangle); }
   Corners at_start(Index triangle) const { return start_.corners(triangle); }
   Vec3 point(Index node) const { return now_.point(node); }
-  Vec3 moved(Index node) const { return now_.point(node) - start_.point(node); }  ///< in the step
-  Vec3 went(Index node) const { return now_.point(node) - from_.point(node); }    ///< on its way
+  Vec3 moved(Index node) const { return now_.point(node) - start_.point(node); }
   Corners at(Index triangle, Real time) const;
   /// No corner moves further, less a `common` motion (m).
   Real motion(Index triangle, const Vec3& common) const;
@@ -83,10 +76,8 @@ class MovingSurface {
   void learn_thickness(const TriangleSurface& rest);
 
   std::shared_ptr<const Boundary> boundary_;
-  TriangleSurface start_, now_, from_;
-  Way way_from_ = Way::none;
-  std::vector<Real> guess_;
-  std::uint64_t guesses_ = 0;      ///< that were kept so far
+  TriangleSurface start_, now_;
+  bool stands_ = false;
   std::unique_ptr<BoxTree> tree_;  ///< made once, from the surface at rest
   mutable bool fitted_ = false;
   mutable BoxTree::Boxes boxes_;

@@ -24,7 +24,7 @@ void NearTriangles::list(const MovingSurface& nodes, const MovingSurface& faces,
   first_.assign(1, 0);
   for (const MovingSurface::SurfaceNode& n : nodes.surface_nodes()) {
     Box way;
-    way.add(nodes.point(n.node)), way.add(nodes.point(n.node) - nodes.went(n.node));
+    way.add(nodes.point(n.node)), way.add(nodes.point(n.node) - nodes.moved(n.node));
     faces.near(way.grown(reach), [&](Index t) {
       const auto& corners = faces.nodes(t);
       if (!is_self || std::find(corners.begin(), corners.end(), n.node) == corners.end())

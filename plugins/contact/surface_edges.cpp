@@ -54,14 +54,14 @@ void SurfaceEdges::look(const MovingSurface& surface, const SurfaceNormals& norm
   sides_.resize(edges_.size());
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     const Edge& e = edges_[i];
-    for (const When when : {begin, now}) {
-      const auto normal = [&](Index t) { return when == now ? normals.now(t) : normals.from(t); };
+    for (const When when : {start, now}) {
+      const auto normal = [&](Index t) { return when == now ? normals.now(t) : normals.at_start(t); };
       Sides& s = sides_[i][when];
       s = {normal(e.triangle[0]), normal(e.triangle[1]), false};
       if (!(s.first.dot(s.second) < flat)) continue;
       // The corner of the second side that is not on the edge lies below the plane of the first.
       Vec3 across = surface.point(e.opposite) - surface.point(e.node[0]);
-      if (when == begin) across -= surface.went(e.opposite) - surface.went(e.node[0]);
+      if (when == start) across -= surface.moved(e.opposite) - surface.moved(e.node[0]);
       s.is_ridge = s.first.dot(across) < 0;
     }
   }

@@ -31,17 +31,17 @@ class SurfaceEdges {
   Index size() const { return static_cast<Index>(edges_.size()); }
   const Edge& operator[](Index edge) const { return edges_[static_cast<std::size_t>(edge)]; }
 
-  /// Where it is at a time of its way.
+  /// Where it is at a time of the step.
   static Segment at(const MovingSurface& surface, const Edge& edge, Real time);
 
-  /// Which of them stand out now, and which where the way begins.
+  /// Which of them stand out now, and which as the step begins.
   void look(const MovingSurface& surface, const SurfaceNormals& normals);
   /// Does it stand out at one of the two?
   bool is_ridge(Index edge) const {
     const auto& n = sides_[static_cast<std::size_t>(edge)];
     return n[0].is_ridge || n[1].is_ridge;
   }
-  enum When { begin, now };
+  enum When { start, now };
   /// Does it stand out, and can what comes from `direction` (unit) touch it before its sides?
   bool faces(Index edge, const Vec3& direction, When when) const;
   /// Mean outward direction of its sides, not unit; zero of an edge that does not stand out.

@@ -17,15 +17,15 @@ class SurfaceMark {
     for (const MovingSurface::SurfaceNode& n : surface.surface_nodes())
       at_.push_back(surface.point(n.node));
   }
-  /// How far a node is from there, at most, on the way that is looked at; infinite if the surface
-  /// was never marked (m).
+  /// The largest way of a node from there to where it starts the step or is now; infinite if the
+  /// surface was never marked (m).
   Real moved(const MovingSurface& surface) const {
     const auto& nodes = surface.surface_nodes();
     if (at_.size() != nodes.size()) return std::numeric_limits<Real>::infinity();
     Real most = 0;
     for (std::size_t k = 0; k < at_.size(); ++k) {
-      const Vec3 now = surface.point(nodes[k].node), from = now - surface.went(nodes[k].node);
-      most = std::max({most, (now - at_[k]).squaredNorm(), (from - at_[k]).squaredNorm()});
+      const Vec3 now = surface.point(nodes[k].node), start = now - surface.moved(nodes[k].node);
+      most = std::max({most, (now - at_[k]).squaredNorm(), (start - at_[k]).squaredNorm()});
     }
     return std::sqrt(most);
   }

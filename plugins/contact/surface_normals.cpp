@@ -4,7 +4,7 @@ namespace sutura::contact {
 
 void SurfaceNormals::look(const MovingSurface& surface) {
   const auto n = static_cast<std::size_t>(surface.triangles());
-  now_.resize(n), from_.resize(n);
+  now_.resize(n), start_.resize(n);
   const auto& nodes = surface.surface_nodes();
   of_node_.assign(nodes.empty() ? 0 : static_cast<std::size_t>(nodes.back().node) + 1,
                   Vec3::Zero());
@@ -13,7 +13,7 @@ void SurfaceNormals::look(const MovingSurface& surface) {
     const auto i = static_cast<std::size_t>(t);
     const Vec3 normal = across(surface.now(t));
     now_[i] = normal.normalized();
-    from_[i] = across(surface.at_beginning(t)).normalized();
+    start_[i] = across(surface.at_start(t)).normalized();
     for (const Index node : surface.nodes(t)) of_node_[static_cast<std::size_t>(node)] += normal;
   }
 }

@@ -1,4 +1,4 @@
-// Normals of a surface on its way.
+// Normals of a surface on its way through a step.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,16 @@ namespace sutura::contact {
 class SurfaceNormals {
  public:
   void look(const MovingSurface& surface);
-  /// Of a triangle, outward and unit: at the guess, and where its way begins.
+  /// Of a triangle, outward and unit: at the guess, and as the step begins.
   const Vec3& now(Index triangle) const { return now_[static_cast<std::size_t>(triangle)]; }
-  const Vec3& from(Index triangle) const { return from_[static_cast<std::size_t>(triangle)]; }
+  const Vec3& at_start(Index triangle) const { return start_[static_cast<std::size_t>(triangle)]; }
   /// Of a node at the guess: the mean of its triangles by their areas, not unit; zero inside.
   const Vec3& of_node(Index node) const { return of_node_[static_cast<std::size_t>(node)]; }
   /// One more than the largest number of a node of the surface.
   std::size_t nodes() const { return of_node_.size(); }
 
  private:
-  std::vector<Vec3> now_, from_;  ///< by triangle
+  std::vector<Vec3> now_, start_;  ///< by triangle
   std::vector<Vec3> of_node_;
 };
 

@@ -52,14 +52,14 @@ Real SurfaceSurface::deepest(const MovingSurface& faces, Index triangle) const {
   return std::min(depth * edge_length(), half_way * faces.thickness(triangle));
 }
 
-void SurfaceSurface::look(MovingSurface::Way way) {
-  if (first_.look(way)) normals_first_.look(first_);
-  if (!is_self_ && second_.look(way)) normals_second_.look(second_);
+void SurfaceSurface::look(bool standing) {
+  if (first_.look(standing)) normals_first_.look(first_);
+  if (!is_self_ && second_.look(standing)) normals_second_.look(second_);
 }
 
 void SurfaceSurface::look_for_touches(const TouchedPlaces&, std::vector<Touch>& out) {
   begin_look();
-  look(MovingSurface::Way::from_start);
+  look(false);
   const Real reach = margin * edge_length();
   meet(false, reach, out);
   if (second().boundary()->is_rigid()) {
@@ -89,7 +89,7 @@ void SurfaceSurface::doubt() {
     }
     const Real more = way_.bulge(from, to);
     if (!(more > arc * edge_length())) continue;
-    const Vec3 common = first_.went(first_.nodes(t)[0]);
+    const Vec3 common = first_.moved(first_.nodes(t)[0]);
     second().near(box.grown(more), [&](Index other) {
       const Real motion = first_.motion(t, common) + second().motion(other, common);
       const auto room = [&](Real time) {
@@ -241,7 +241,7 @@ SurfaceSurface::Near SurfaceSurface::nearest() const {
 SurfaceSurface::Passing SurfaceSurface::passing(const MovingSurface& nodes, Index node,
                                                 const MovingSurface& faces, Index t) const {
   const Real limit = -deepest(faces, t);
-  const Vec3 to = nodes.point(node), from = to - nodes.went(node);
+  const Vec3 to = nodes.point(node), from = to - nodes.moved(node);
   const auto height = [&](Real time) {
     const Corners c = faces.at(t, time);
     const Vec3 n = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
@@ -336,7 +336,7 @@ Real SurfaceSurface::smallest_distance(const MovingSurface& nodes, const MovingS
 
 Real SurfaceSurface::distance() const {
   SurfaceSurface now(first_.boundary(), second().boundary());
-  now.look(MovingSurface::Way::none);
+  now.look(true);
   if (!is_self_) {
     const Real unseen = now.unseen_overlap();
     Real smallest = std::min(smallest_distance(now.first_, now.second_),

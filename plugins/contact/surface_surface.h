@@ -46,7 +46,8 @@ class SurfaceSurface : public Pair {
   Real edge_length() const;
   /// So deep behind a triangle something is taken for having come in there (m).
   Real deepest(const MovingSurface& faces, Index triangle) const;
-  void look(MovingSurface::Way way);
+  /// Both; `standing`: without their ways.
+  void look(bool standing);
   /// Nodes of one surface that look for triangles of the other.
   struct Search {
     const MovingSurface& nodes;
@@ -82,7 +83,7 @@ class SurfaceSurface : public Pair {
   /// Edges of the first against edges of the second.
   void meet_edges(Real reach, std::vector<Touch>& out);
   void meet_edges(Index i, Index j, Real reach, std::vector<Touch>& out);
-  /// An edge that stands out, where its way begins or now.
+  /// An edge that stands out, as the step begins or now.
   struct Ridge {
     Index edge;
     bool is_second;

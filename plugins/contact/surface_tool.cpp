@@ -100,7 +100,7 @@ Real SurfaceTool::way_of(Real motion, const At& distance) const {
 }
 
 void SurfaceTool::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
-  surface_.look(MovingSurface::Way::from_start);
+  surface_.look();
   way_.look(tool_, false);
   begin_look();
   deepest_ = 0;
@@ -241,7 +241,7 @@ Real SurfaceTool::unseen_overlap() {
 
 Real SurfaceTool::distance() const {
   SurfaceTool now(surface_.boundary(), tool_);
-  now.surface_.look(MovingSurface::Way::none);
+  now.surface_.look(true);
   const Shape& shape = tool_.shape();
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const MovingSurface::SurfaceNode& n : now.surface_.surface_nodes()) {

@@ -61,7 +61,7 @@ class Pair {
     const std::size_t others = out.size();
     goes_on_ = false;
     look_for_touches(before, out);
-    if (free_way_ == 1 || !guess_is_kept_) return;
+    if (free_way_ == 1 || !guess_is_kept_ || !may_go_on()) return;
     out.resize(others);
     goes_on_ = true;
     look_for_touches(before, out);
@@ -108,9 +108,10 @@ class Pair {
 
  protected:
   virtual void look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) = 0;
-  /// As a guess from which ways may go on. False if none may: where a guess that is free may be so
-  /// deep that nothing is seen from there.
+  /// As a guess from which ways may go on. False if none may.
   virtual bool keep() { return false; }
+  /// Of what is barred on the straight way: may guesses have led it round?
+  virtual bool may_go_on() const { return false; }
   void begin_look() {
     free_way_ = 1;
     knows_way_ = true;

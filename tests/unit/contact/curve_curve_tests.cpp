@@ -77,41 +77,6 @@ TEST(CurveCurve, TakesADeepOverlapBackInSteps) {
   for (const Touch& t : Crossed(0.192e-3, 90).touches) EXPECT_EQ(t.left, 0);
 }
 
-/// Moves a thread as a whole, as a guess of a step that has begun.
-void shift(Body& body, const Vec3& way) {
-  VecX motion = VecX::Zero(body.dofs());
-  for (Index i = 0; i < body.dofs(); i += 6) motion.segment<3>(i) = way;
-  body.move_to(StepContext{}, motion);
-}
-
-// A thread cannot go straight down through one that lies across below it. It can where guesses have
-// led it round the end of that one: each way from one to the next is free.
-TEST(CurveCurve, GoesOnFromAGuessThatIsKept) {
-  Crossed threads(0.5e-3, 90);
-  auto& body = threads.run.component<Body>("/a");
-  body.load().setZero(body.dofs());
-  body.begin_step(StepContext{});
-  const auto free_way = [&](const Vec3& way) {
-    shift(body, way);
-    threads.touches.clear();
-    threads.pair.find(threads.memory, threads.touches);
-    return threads.pair.free_way();
-  };
-  const Vec3 aside(0, 12e-3, 0), down(0, 0, -1e-3);
-  threads.pair.begin_step();
-  EXPECT_NEAR(free_way(down), (0.5 - 0.1) / 1, 0.05);  // up to half of where they touch
-  for (const Vec3& way : {aside, Vec3(aside + down), down}) {
-    EXPECT_EQ(free_way(way), 1);
-    threads.pair.keep_guess();
-  }
-  // From there it goes further down, but not up again.
-  EXPECT_EQ(free_way(2 * down), 1);
-  EXPECT_LT(free_way(0.5 * down), 1);
-  // What is kept is kept for a step.
-  threads.pair.begin_step();
-  EXPECT_LT(free_way(down), 1);
-}
-
 // A third of a circle that hands turn in its plane within a step: on the straight way from one
 // state to the other it shrinks, and from some 150 degrees on it goes through itself.
 TEST(CurveCurve, SeesAStrandGoThroughItselfAsItIsTurnedRound) {
