@@ -35,9 +35,9 @@ void Contact::describe(Describe<Contact>& d) {
       "Each touch is three rows under Coulomb's law: the gap between the surfaces along their "
       "common normal, and the slip of the step across it. Points, normals and gaps are those of "
       "the end of the step, found anew at every guess; a touch is built before the surfaces meet. "
-      "No guess is taken whose straight way from the start of the step leads one centreline "
-      "through the other, or through a tool (see the theory of contact). What a SuturePath holds "
-      "inside of a tissue is not in contact with it.");
+      "No guess is taken whose way leads one centreline through the other, or through a tool (see "
+      "the theory of contact). What a SuturePath holds inside of a tissue is not in contact with "
+      "it.");
   d.link("first", &Contact::first_, "A thread; or a tissue, with another or with itself.");
   d.link("second", &Contact::second_,
          "What it touches; left out together with 'tool', it touches itself.")

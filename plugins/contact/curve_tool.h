@@ -55,7 +55,7 @@ class CurveTool : public ToolPair {
   ToolWay way_;
   // Where ways begin, from the shape:
   std::vector<ShapeDistance> begin_at_node_;
-  std::vector<Real> begin_room_;  ///< no point of a segment is nearer (m)
+  std::vector<Real> begin_room_;     ///< no point of a segment is nearer (m)
   std::vector<std::size_t> barred_;  ///< segments, on the way that was looked at last
 };
 

@@ -55,7 +55,9 @@ void SurfaceEdges::look(const MovingSurface& surface, const SurfaceNormals& norm
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     const Edge& e = edges_[i];
     for (const When when : {start, now}) {
-      const auto normal = [&](Index t) { return when == now ? normals.now(t) : normals.at_start(t); };
+      const auto normal = [&](Index t) {
+        return when == now ? normals.now(t) : normals.at_start(t);
+      };
       Sides& s = sides_[i][when];
       s = {normal(e.triangle[0]), normal(e.triangle[1]), false};
       if (!(s.first.dot(s.second) < flat)) continue;

@@ -1,9 +1,8 @@
 // The way of a thread round the corner of a box, guess by guess.
-#include "curve_tool.h"
-
 #include <gtest/gtest.h>
 
 #include "contact_memory.h"
+#include "curve_tool.h"
 #include "scenes/text_run.h"
 
 namespace sutura::contact {
@@ -15,10 +14,11 @@ using testing::TextRun;
 class RoundACorner : public ::testing::Test {
  protected:
   RoundACorner()
-      : run_("<plugin name='contact'/><SutureThread name='a' needle_length='0' "
-             "thread_diameter='0.2 mm' thread_length='20 mm' thread_beams='20' tip='1 10 2.2 mm' "
-             "tip_direction='0 1 0' plane_normal='1 0 0'/>"
-             "<Tool name='bar' shape='box' size='4 200 4 mm' rounding='0.1 mm'/>"),
+      : run_(
+            "<plugin name='contact'/><SutureThread name='a' needle_length='0' "
+            "thread_diameter='0.2 mm' thread_length='20 mm' thread_beams='20' tip='1 10 2.2 mm' "
+            "tip_direction='0 1 0' plane_normal='1 0 0'/>"
+            "<Tool name='bar' shape='box' size='4 200 4 mm' rounding='0.1 mm'/>"),
         body_(run_.component<Body>("/a")),
         pair_(run_.component<SegmentedCurve>("/a"), run_.component<RigidTool>("/bar")) {
     body_.load().setZero(body_.dofs());
