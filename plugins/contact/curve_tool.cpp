@@ -62,14 +62,18 @@ bool CurveTool::keep() {
   return true;
 }
 
-/// What slides round a corner is at another side of the tool than before; what has gone through, or
-/// round the end of a tool or of the curve, at the opposite one.
+/// What slides round a corner lies on the tool as the step begins, and is at another side of it at
+/// the guess. What has gone through, or round the end of a tool or of the curve, comes from
+/// elsewhere, or is at the opposite side.
 bool CurveTool::may_go_on() const {
+  const auto from_tool = [&](const Vec3& p) { return tool_.shape().at(p); };
   return std::all_of(barred_.begin(), barred_.end(), [&](std::size_t i) {
-    const auto side = [&](const CurveSegment& s) {
-      return tool_.shape().at((s.xa + s.xb) / 2).normal;
-    };
-    return side(seen_.start[i]).dot(side(seen_.now[i])) > opposite;
+    const CurveSegment &was = seen_.start[i], &is = seen_.now[i];
+    const Vec3 middle = (was.xa + was.xb) / 2;
+    const Real distance = std::min(
+        {from_tool(was.xa).distance, from_tool(middle).distance, from_tool(was.xb).distance});
+    return distance < (1 + margin) * was.radius &&
+           from_tool(middle).normal.dot(from_tool((is.xa + is.xb) / 2).normal) > opposite;
   });
 }
 

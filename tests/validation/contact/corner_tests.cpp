@@ -35,7 +35,7 @@ TEST(Corner, IsGoneRoundAtAnyStep) {
     TextRun run(scene, std::string("gravity='0 0 0' dt='") + dt + "'");
     ASSERT_TRUE(run) << run.said();
     Index passes = 0, steps = 0;
-    while (run.simulation().time() < 0.2 - 1e-9) {
+    while (run.simulation().time() < 0.12 - 1e-9) {
       const StepReport& report = run.simulation().step();
       EXPECT_FALSE(report.missed()) << dt << ' ' << report.time;
       EXPECT_GT(run.number("/contact", "distance"), -0.2e-3 / 20) << dt << ' ' << report.time;
@@ -45,8 +45,8 @@ TEST(Corner, IsGoneRoundAtAnyStep) {
     const Real end = run.vector("/suture", "end_position").x();
     if (place == 0) place = end;
     EXPECT_NEAR(end, place, 5e-6) << dt;
-    // With ways that are straight from the start of the step 121, 232, 372 passes a step, and 8 of
-    // 10 steps of 20 ms were missed.
+    // With ways that are straight from the start of the step 121, 232, 372 passes a step, and most
+    // steps of 20 ms were missed.
     EXPECT_LT(passes, 150 * steps) << dt;
   }
 }
