@@ -27,7 +27,7 @@ constexpr const char* scene = R"(
 // However far it goes in a step, up to 12 mm: every step is solved, nothing comes into the bar by
 // more than the twentieth of the thickness that touches between nodes may leave, the hand pulls
 // with the load times exp(mu pi / 2) (beams of 0.5 mm on an arc of 0.8 mm: to 5 %), and the thread
-// has come as far.
+// has come as far (to 5 um, as touches may miss by the tolerance of gaps, 1 um, each).
 TEST(Corner, IsGoneRoundAtAnyStep) {
   const Real pull = load * std::exp(mu * std::numbers::pi / 2);
   Real place = 0;
