@@ -15,11 +15,13 @@ constexpr LawTwin twin(std::string_view name, int number, int dim, int reals, in
 }
 
 // In the order of their numbers.
-constexpr std::array<LawTwin, 10> twins{
-    twin("bilateral1", 0, 1, 2),     twin("bilateral2", 1, 2, 2), twin("bilateral3", 2, 3, 2),
-    twin("bilateral6", 3, 6, 2),     twin("unilateral", 4, 1, 1), twin("coulomb", 5, 3, 2),
-    twin("puncture", 6, 3, 11, 1),   twin("cutting", 7, 1, 1),    twin("path_friction", 8, 1, 4),
-    twin("static_friction", 9, 3, 4)};
+constexpr std::array<LawTwin, 11> twins{
+    twin("bilateral1", 0, 1, 2),    twin("bilateral2", 1, 2, 2),
+    twin("bilateral3", 2, 3, 2),    twin("bilateral6", 3, 6, 2),
+    twin("unilateral", 4, 1, 1),    twin("coulomb", 5, 3, 2),
+    twin("puncture", 6, 3, 11, 1),  twin("cutting", 7, 1, 1),
+    twin("path_friction", 8, 1, 4), twin("static_friction", 9, 3, 4),
+    twin("turning_force", 10, 2, 2)};
 
 }  // namespace
 

@@ -123,6 +123,24 @@ void project_unilateral(const real* W, const real* d, PARAMETERS const real* p, 
   *mode = d[0] < 0 ? 1 : 0;
 }
 
+#if D >= 2
+// Parameters: k, c.
+void project_turning_force(const real* W, const real* d, PARAMETERS const real* p, uchar* mode,
+                           real* lambda) {
+  const real k = p[0], c = p[1];
+  if (*mode == 1) {
+    const real m01 = W[D] + 1 / c, m10 = W[1] + 1 / c, m11 = W[1 + D] - k / (c * c);
+    const real determinant = W[0] * m11 - m01 * m10;
+    lambda[0] = (m01 * d[1] - m11 * d[0]) / determinant;
+    lambda[1] = (m10 * d[0] - W[0] * d[1]) / determinant;
+    if (isfinite(lambda[0]) && isfinite(lambda[1])) return;
+  }
+  *mode = 0;
+  lambda[0] = k > 0 ? -k * d[0] / (k * W[0] + 1) : 0;
+  lambda[1] = 0;
+}
+#endif
+
 #if D >= 3
 enum { OPEN, STICK, SLIP, CAPPED_STICK, CAPPED_SLIP };
 
@@ -336,6 +354,7 @@ void project(int law, const real* W, const real* inverse, const real* d,
     case 0: project_bilateral(1, W, inverse, d, p, mode, lambda); break;
 #if D >= 2
     case 1: project_bilateral(2, W, inverse, d, p, mode, lambda); break;
+    case 10: project_turning_force(W, d, p, mode, lambda); break;
 #endif
 #if D >= 3
     case 2: project_bilateral(3, W, inverse, d, p, mode, lambda); break;

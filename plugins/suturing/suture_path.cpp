@@ -7,6 +7,7 @@
 #include "puncture_law.h"
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
+#include "sutura/laws/turning_force.h"
 #include "sutura/scene.h"
 #include "sutura/units.h"
 
@@ -14,7 +15,10 @@ namespace sutura::suturing {
 namespace {
 
 constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
-constexpr std::uint64_t springs = (1ull << 38);         // names of springs are from here on
+constexpr std::uint64_t turning = (1ull << 38);  // names of forces that turn are from here on
+
+// Forces at samples that turn with the thread matter from this share of the largest on.
+constexpr Real matters = 1e-3;
 
 // In units of the spacing of samples.
 constexpr Real too_close_to_tip = 0.3;  // rows that would repeat those of the end
@@ -216,31 +220,38 @@ Vec3 SuturePath::way_along_block(const ConstraintBuilder& builder) const {
   return along.norm() > straight_at ? along.normalized() : Vec3::Zero();
 }
 
-/// The force across a thread that is bent turns with it as the thread slides on, and resists that.
-/// Linear rows do not know it: where a strand from bite to bite is softer than that, passes would
-/// go to and fro. So it is said as a spring along the thread, about the guess: without force there,
-/// and gone with the pass.
-void SuturePath::stiffen(const StepContext& context, const Crossing& c,
-                         ConstraintBuilder& builder) const {
+/// Force across the thread at a sample, in the pass before (N).
+Vec3 SuturePath::known_force(const Crossing& c, const ConstraintBuilder& builder) const {
+  const Key key = make_key(source_id_, c.id);
+  return c.axes.row(1) * builder.known_force(key, 0) + c.axes.row(2) * builder.known_force(key, 1);
+}
+
+/// The force across the thread turns with it, as it slides on round a bend and as it leans. Rows do
+/// not say that, and where tissue or thread are softer, passes would be slow or go to and fro. So
+/// it is said beside them, about the guess: without force there, and gone with the pass.
+void SuturePath::add_turning_force(const StepContext& context, const Crossing& c, const Vec3& force,
+                                   ConstraintBuilder& builder) const {
   const Real reach = 2 * thread_->radius(c.abscissa);
   const Real low = std::max(c.abscissa - reach, Real(0));
   const Real high = std::min(c.abscissa + reach, thread_->length());
-  const Vec3 bend = (thread_->tangent(high, Configuration::current) -
-                     thread_->tangent(low, Configuration::current)) /
-                    (high - low);
-  const Key key = make_key(source_id_, c.id);
-  const Vec3 force =
-      c.axes.row(1) * builder.known_force(key, 0) + c.axes.row(2) * builder.known_force(key, 1);
-  const Real stiffness = -force.dot(bend);
-  constexpr Real straight = 1e-6;  // rad
-  if (!(stiffness * reach > straight * force.norm())) return;
+  const Vec3 turn = thread_->tangent(high, Configuration::current) -
+                    thread_->tangent(low, Configuration::current);
+  const Real arm = high - low, size = force.norm();
   // A name for this pass only: what it carried is not taken on.
-  const std::uint64_t name = springs | (c.id << 8) | static_cast<std::uint64_t>(context.pass & 255);
-  const BlockId block =
-      builder.add<Bilateral<1>>(make_key(source_id_, name), {1 / stiffness}, BlockVector<1>(0));
-  const Directions along = c.axes.topRows<1>();
+  const std::uint64_t name = turning | (c.id << 8) | static_cast<std::uint64_t>(context.pass & 255);
+  const BlockId block = builder.add<TurningForce>(
+      make_key(source_id_, name), {.stiffness = -force.dot(turn) / arm, .coupling = size / arm},
+      BlockVector<2>::Zero());
+  Directions along = Directions::Zero(2, 3), towards = along;
+  along.row(0) = c.axes.row(0);
+  towards.row(1) = force / size;
   builder.couple(block, *thread_, along, c.thread, c.position);
   builder.couple(block, *tissue_, -along, c.tissue, c.position);
+  PointJacobian end;
+  thread_->jacobian(high, end);
+  builder.couple(block, *thread_, towards, end, c.position);
+  thread_->jacobian(low, end);
+  builder.couple(block, *thread_, -towards, end, c.position);
 }
 
 void SuturePath::build(const StepContext& context, ConstraintBuilder& builder) {
@@ -249,6 +260,9 @@ void SuturePath::build(const StepContext& context, ConstraintBuilder& builder) {
   const Real strength = strength_ > 0 ? strength_ : std::numeric_limits<Real>::infinity();
   const bool hold_end = crossings_.size() > sample_crossings_ && !tip_blocked();
   const Real end_share = hold_end ? share_of_end() : 0;
+  Real largest = 0;
+  for (std::size_t i = 0; i < sample_crossings_; ++i)
+    largest = std::max(largest, known_force(crossings_[i], builder).norm());
   for (std::size_t i = 0; i < crossings_.size(); ++i) {
     const Crossing& c = crossings_[i];
     const bool is_end = i == sample_crossings_;
@@ -269,7 +283,9 @@ void SuturePath::build(const StepContext& context, ConstraintBuilder& builder) {
     builder.couple(block, *thread_, across, c.thread, c.position);
     builder.couple(block, *tissue_, -across, c.tissue, c.position);
     blocks_.push_back({block, i, compliance, length});
-    if (!is_end) stiffen(context, c, builder);
+    if (is_end) continue;
+    const Vec3 force = known_force(c, builder);
+    if (force.norm() > matters * largest) add_turning_force(context, c, force, builder);
   }
 }
 

@@ -90,7 +90,9 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
     Real length;      ///< of channel that it bears for (m)
   };
   void sew(Setup& setup);
-  void stiffen(const StepContext& context, const Crossing& c, ConstraintBuilder& builder) const;
+  Vec3 known_force(const Crossing& c, const ConstraintBuilder& builder) const;
+  void add_turning_force(const StepContext& context, const Crossing& c, const Vec3& force,
+                         ConstraintBuilder& builder) const;
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
   Real stray() const;

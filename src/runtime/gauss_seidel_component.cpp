@@ -4,6 +4,7 @@
 #include "sutura/archive.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
+#include "sutura/laws/turning_force.h"
 #include "sutura/laws/unilateral.h"
 #include "sutura/registry.h"
 
@@ -104,6 +105,7 @@ void enrol_builtin(Registry& registry) {
   registry.law<Bilateral<2>>();
   registry.law<Bilateral<3>>();
   registry.law<Bilateral<6>>();
+  registry.law<TurningForce>();
   registry.law<Unilateral>();
   registry.law<Coulomb>();
 }

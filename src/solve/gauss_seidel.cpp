@@ -103,7 +103,10 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
     compliance_.keep(linear_.others());
     first = iterate(others_, std::min(patience, options_.sweeps), false);
     // What is not solved so is solved as a whole, from where it began.
-    if (first.converged) linear_.put_back(others_, problem);
+    if (first.converged)
+      linear_.put_back(others_, problem);
+    else
+      linear_.give_up(problem);
   }
   compliance_.prepare(problem);
   SolveReport report = iterate(problem, options_.sweeps, true);

@@ -27,13 +27,18 @@ Real held_compliance(const ConstraintProblem& problem, const ConstraintBlock& b)
 
 }  // namespace
 
-bool LinearRows::find(const ConstraintProblem& problem) {
+bool LinearRows::find(const ConstraintProblem& problem, bool with_turning) {
   other_.clear();
   rows_.clear();
   other_rows_.clear();
+  turning_.clear();
   scale_.resize(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     const ConstraintBlock& b = problem.blocks[i];
+    if (with_turning && std::string_view(b.law->name) == TurningForce::name) {
+      turning_.push_back(i);
+      continue;
+    }
     const Real compliance = held_compliance(problem, b);
     if (compliance < 0) other_.push_back(i);
     for (Index row = b.first_row; row < b.first_row + b.law->dim; ++row) {
@@ -41,9 +46,20 @@ bool LinearRows::find(const ConstraintProblem& problem) {
       (compliance >= 0 ? rows_ : other_rows_).push_back(row);
     }
   }
+  // A force that turns has a positive and a negative pivot, in this order, where all is stable.
+  for (const std::size_t i : turning_) {
+    scale_[static_cast<Index>(rows_.size())] = 0;
+    rows_.push_back(problem.blocks[i].first_row);
+  }
+  positive_ = static_cast<Index>(rows_.size());
+  for (const std::size_t i : turning_) rows_.push_back(problem.blocks[i].first_row + 1);
   held_ = static_cast<Index>(rows_.size());
   rows_.insert(rows_.end(), other_rows_.begin(), other_rows_.end());
-  return held_ > 0 && !other_rows_.empty();
+  return held_ > 0 && (!other_rows_.empty() || !turning_.empty());
+}
+
+void LinearRows::set_mode(ConstraintProblem& problem, Mode mode) const {
+  for (const std::size_t i : turning_) problem.blocks[i].mode = mode;
 }
 
 /// matrix_ <- [S (W_hh + C) S, .; W_oh S, W_oo; d_h^T S, d_o^T], its lower part.
@@ -55,22 +71,35 @@ void LinearRows::gather(const ConstraintProblem& problem) {
     for (Index i = j; i < n; ++i) matrix_(i, j) = problem.W(row(i), row(j));
     matrix_(n, j) = problem.d_free[row(j)];
   }
+  for (Index row = positive_; row < held_; ++row) {
+    const ConstraintBlock& b = problem.blocks[turning_[static_cast<std::size_t>(row - positive_)]];
+    const BlockMatrix<2> compliance = TurningForce::compliance(
+        *static_cast<const TurningForce::Params*>(problem.block_params(b)));
+    scale_[row] = compliance(1, 0);
+    matrix_(row, row - (held_ - positive_)) += compliance(1, 0);
+    matrix_(row, row) += compliance(1, 1);
+  }
   for (Index j = 0; j < held_; ++j) {
-    scale_[j] = 1 / std::sqrt(matrix_(j, j) + scale_[j]);
-    matrix_(j, j) = 1;
+    scale_[j] = 1 / std::sqrt(std::abs(matrix_(j, j)) + scale_[j]);
+    matrix_(j, j) = j < positive_ ? 1 : matrix_(j, j) * scale_[j] * scale_[j];
     matrix_.col(j).tail(n - j) *= scale_[j];
     matrix_.row(j).head(j) *= scale_[j];
   }
 }
 
-/// Cholesky of the first columns, and what that leaves of the others. In panels so narrow that
-/// Eigen's products take no memory from the heap (128 kB) up to some 650 rows.
+/// Cholesky of the first columns, and what that leaves of the others; of minus the matrix where
+/// pivots are negative. In panels so narrow that Eigen's products take no memory from the heap (128
+/// kB) up to some 650 rows.
 bool LinearRows::factorise() {
   constexpr Index width = 24;
   const Index size = matrix_.rows();
-  for (Index first = 0; first < held_; first += width) {
-    const Index columns = std::min(width, held_ - first), rest = size - first - columns;
+  for (Index first = 0, columns = 0; first < held_; first += columns) {
+    const bool positive = first < positive_;
+    const Real sign = positive ? 1 : -1;
+    columns = std::min(width, (positive ? positive_ : held_) - first);
+    const Index rest = size - first - columns;
     Eigen::Ref<MatX> in_place = matrix_.block(first, first, columns, columns);
+    in_place *= sign;
     const Eigen::LLT<Eigen::Ref<MatX>> corner(in_place);
     // The diagonal of L^2 is what is a row's own, beside those before it.
     constexpr Real least = 1e-12;
@@ -78,16 +107,25 @@ bool LinearRows::factorise() {
     if (corner.info() != Eigen::Success || !(diagonal.minCoeff() > std::sqrt(least))) return false;
     auto below = matrix_.block(first + columns, first, rest, columns);
     corner.matrixU().solveInPlace<Eigen::OnTheRight>(below);
-    matrix_.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
+    below *= sign;
+    matrix_.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -sign);
   }
   return true;
 }
 
-bool LinearRows::eliminate(const ConstraintProblem& problem, ConstraintProblem& others) {
-  const auto o = static_cast<Index>(rows_.size()) - held_;
-  gather(problem);
-  if (!scale_.head(held_).allFinite() || !factorise()) return false;
+bool LinearRows::eliminate(ConstraintProblem& problem, ConstraintProblem& others) {
+  const auto succeeds = [&] {
+    gather(problem);
+    return scale_.head(held_).allFinite() && factorise();
+  };
+  if (!succeeds()) {
+    if (turning_.empty()) return false;
+    give_up(problem);
+    if (!find(problem, false) || !succeeds()) return false;
+  }
+  set_mode(problem, TurningForce::whole);
 
+  const auto o = static_cast<Index>(rows_.size()) - held_;
   others.blocks.clear();
   others.params = problem.params;
   Index row = 0;

@@ -13,6 +13,7 @@
 #include "some_device.h"
 #include "sutura/laws/bilateral.h"
 #include "sutura/laws/static_friction.h"
+#include "sutura/laws/turning_force.h"
 #include "sutura/laws/unilateral.h"
 
 namespace sutura::opencl {
@@ -95,12 +96,18 @@ suturing::PathFrictionLaw::Params draw(Random& random, const suturing::PathFrict
           .stick_slip = from(random, 0, 1)};
 }
 
+/// As stiff as it takes for its system to be far from singular.
+TurningForce::Params draw(Random& random, const TurningForce*) {
+  const Real c = from(random, 0.1, 1);
+  return {.stiffness = from(random, 100, 200) * c * c, .coupling = c};
+}
+
 template <class L>
 class Twin : public OnDevice {};
 
 using Laws = testing::Types<Bilateral<1>, Bilateral<2>, Bilateral<3>, Bilateral<6>, Unilateral,
                             Coulomb, StaticFriction, suturing::PunctureLaw, suturing::CuttingLaw,
-                            suturing::PathFrictionLaw>;
+                            suturing::PathFrictionLaw, TurningForce>;
 TYPED_TEST_SUITE(Twin, Laws);
 
 TYPED_TEST(Twin, AnswersAsTheLaw) {

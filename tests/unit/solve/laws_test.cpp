@@ -2,6 +2,7 @@
 #include "law_check.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/static_friction.h"
+#include "sutura/laws/turning_force.h"
 #include "sutura/laws/unilateral.h"
 
 using namespace sutura;
@@ -109,6 +110,39 @@ TEST(BilateralLaw, ContinuousAtTheCap) {
     EXPECT_LT((below - above).norm(), 1e5 * eps * held.norm());
     EXPECT_LT(std::abs(below.norm() - above.norm()), 3 * eps * held.norm());
   }
+}
+
+// As a whole it is one linear system, as a spring one row; both by another factorisation.
+TEST(TurningForceLaw, IsTheSolutionOfItsTwoRows) {
+  std::mt19937_64 random(12);
+  int silent = 0;
+  for (int i = 0; i < draws; ++i) {
+    const BlockMatrix<2> W = random_spd<2>(random);
+    const BlockVector<2> d = draw_vector<2>(random);
+    const TurningForce::Params p{.stiffness = draw_real(random, -3, 1) * (i % 3 ? 1 : -1),
+                                 .coupling = draw_positive(random, -3, 1)};
+    Mode mode = TurningForce::whole;
+    BlockVector<2> lambda = project_twice<TurningForce>(W, d, p, mode);
+    EXPECT_EQ(mode, TurningForce::whole);
+    // lambda = -K delta, delta = W lambda + d:  (1 + K W) lambda = -K d.
+    BlockMatrix<2> K;
+    K << p.stiffness, p.coupling, p.coupling, 0;
+    const BlockMatrix<2> M = BlockMatrix<2>::Identity() + K * W;
+    ASSERT_LT((M * lambda + K * d).norm(), rounding * M.norm() * (lambda.norm() + K.norm()));
+
+    mode = TurningForce::spring;
+    lambda = project_twice<TurningForce>(W, d, p, mode);
+    EXPECT_EQ(mode, TurningForce::spring);
+    EXPECT_EQ(lambda[1], 0);
+    if (p.stiffness > 0) {
+      const Real delta = W(0, 0) * lambda[0] + d[0];
+      ASSERT_NEAR(lambda[0], -p.stiffness * delta, rounding * std::abs(lambda[0]));
+    } else {
+      ++silent;
+      EXPECT_EQ(lambda[0], 0);
+    }
+  }
+  EXPECT_GT(silent, draws / 10);
 }
 
 /// All solutions of one frictional contact with normal force at most cap, by cases. Slip directions

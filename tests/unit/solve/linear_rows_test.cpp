@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include "solve_problems.h"
 #include "sutura/laws/coulomb.h"
+#include "sutura/laws/turning_force.h"
 #include "sutura/laws/unilateral.h"
 
 namespace sutura::test {
@@ -90,6 +94,81 @@ TEST(LinearRows, RowsThatRepeatEachOtherStay) {
   W(1, 1) = 1 + 1e-9;
   p.W = W;
   EXPECT_TRUE(rows.find(p) && rows.eliminate(p, others));
+}
+
+/// A force that turns adds a stiffness that is positive one way and negative the other. It is taken
+/// into account where the whole is stable: where A with all that is held is positive definite. Then
+/// the others move as on that matrix. Else it is a spring, or nothing.
+TEST(LinearRows, ForcesThatTurnAreEliminatedWhereAllIsStable) {
+  std::mt19937_64 random(2);
+  constexpr Index dofs = 8;
+  int stable = 0, unstable = 0;
+  for (int draw = 0; draw < 1000; ++draw) {
+    ConstraintProblem p, others;
+    const Real c = 0.5;
+    std::uniform_real_distribution<Real> size(0, 2);
+    const TurningForce::Params first{.stiffness = size(random), .coupling = size(random)},
+        second{.stiffness = -size(random), .coupling = size(random)};
+    append<TurningForce>(p, first);
+    append<Bilateral<1>>(p, {.compliance = c});
+    append<Coulomb>(p, {.mu = 0.3});
+    append<TurningForce>(p, second);
+    const MatX B = random_matrix(dofs, dofs, random), H = random_matrix(8, dofs, random);
+    const MatX A = B * B.transpose() + MatX::Identity(dofs, dofs);
+    const MatX inverse = A.inverse();
+    const VecX free = random_matrix(dofs, 1, random);
+    finish(p, H * inverse * H.transpose(), H * inverse * free);
+
+    MatX K = MatX::Zero(8, 8);  // of the held rows
+    K.topLeftCorner<2, 2>() << first.stiffness, first.coupling, first.coupling, 0;
+    K(2, 2) = 1 / c;
+    K.bottomRightCorner<2, 2>() << second.stiffness, second.coupling, second.coupling, 0;
+    const MatX all = A + H.transpose() * K * H;
+    const bool is_stable = all.llt().info() == Eigen::Success;
+    ++(is_stable ? stable : unstable);
+
+    LinearRows rows;
+    ASSERT_TRUE(rows.find(p) && rows.eliminate(p, others));
+    const Mode mode = is_stable ? TurningForce::whole : TurningForce::spring;
+    EXPECT_EQ(p.blocks[0].mode, mode);
+    EXPECT_EQ(p.blocks[3].mode, mode);
+    ASSERT_EQ(others.rows(), is_stable ? 3 : 7);
+    if (!is_stable) continue;
+    const MatX rest = H.middleRows<3>(3);
+    const MatX now = all.inverse();
+    const Real rounding = 1e-9 * now.norm() * H.squaredNorm();
+    EXPECT_LT((others.W - rest * now * rest.transpose()).norm(), rounding);
+    EXPECT_LT((others.d_free - rest * now * free).norm(), rounding * free.norm());
+    others.lambda = random_matrix(3, 1, random);
+    rows.put_back(others, p);
+    const VecX delta = p.W * p.lambda + p.d_free;
+    for (const Index held : {0, 1, 2, 6, 7})
+      EXPECT_NEAR(p.lambda[held], -K.row(held).dot(delta), rounding * (1 + p.lambda.norm()));
+    rows.give_up(p);
+    EXPECT_EQ(p.blocks[0].mode, TurningForce::spring);
+  }
+  EXPECT_GT(stable, 50);
+  EXPECT_GT(unstable, 50);
+}
+
+/// Nothing else may be left to solve: they are eliminated all the same, as no sweep finds them.
+TEST(LinearRows, ForcesThatTurnMayBeAllThereIs) {
+  ConstraintProblem p, others;
+  append<Bilateral<1>>(p, {});
+  append<TurningForce>(p, {.stiffness = 0.1, .coupling = 0.1});
+  finish(p, Mat3::Identity(), Vec3::Ones());
+  LinearRows rows;
+  ASSERT_TRUE(rows.find(p) && rows.eliminate(p, others));
+  EXPECT_EQ(others.rows(), 0);
+  rows.put_back(others, p);
+  EXPECT_EQ(p.blocks[1].mode, TurningForce::whole);
+  // W is 1: (1 + K) lambda = -K d.
+  BlockMatrix<2> K;
+  K << 0.1, 0.1, 0.1, 0;
+  const BlockVector<2> lambda =
+      -(BlockMatrix<2>::Identity() + K).inverse() * K * BlockVector<2>::Ones();
+  EXPECT_NEAR((p.lambda.tail<2>() - lambda).norm(), 0, 1e-12);
+  EXPECT_NEAR(p.lambda[0], -1, 1e-12);
 }
 
 }  // namespace
