@@ -107,20 +107,27 @@ def moved_ways(task, draw, folder):
 
 def run(sutura, number, options):
     task = TASKS[options.scene]
-    folder = pathlib.Path(tempfile.mkdtemp(prefix=f"draw_{number}_", dir=options.out))
-    for path in SUTURE.glob(f"{task.name}*"):
-        shutil.copy(path, folder)
-    if number:
-        moved_ways(task, random.Random(number), folder)
+    folder = pathlib.Path(options.out) / f"{task.name}_{number}"
+    checkpoint = folder / "out" / "checkpoint.sutura"
     command = [sutura, "run", folder / f"{task.name}.xml", "--output", folder / "out", "--duration", f"{options.until or task.until} s",
-               "--set", f".dt={options.dt} ms", "--set", "/vtu_recorder.interval=100 s"]
+               "--set", f".dt={options.dt} ms", "--set", "/vtu_recorder.interval=100 s", "--checkpoint-every", "1 s"]
+    if checkpoint.exists():
+        command += ["--resume", checkpoint]
+    else:
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        for path in SUTURE.glob(f"{task.name}*"):
+            shutil.copy(path, folder)
+        if number:
+            moved_ways(task, random.Random(number), folder)
     try:
         code = subprocess.run(command, capture_output=True, timeout=options.limit).returncode
     except subprocess.TimeoutExpired:
         code = -1
     with open(folder / "out" / "probe.csv") as probe:
         head, *rows = csv.reader(probe)
-    shutil.rmtree(folder)
+    if code != -1:
+        shutil.rmtree(folder)
     rows = [row for row in rows if len(row) == len(head)]  # the last one may be in the making
     columns = {name.split(" ")[0]: column for name, column in zip(head, zip(*rows))}
     time = [float(x) for x in columns["time"]]
@@ -144,9 +151,11 @@ if __name__ == "__main__":
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--dt", type=float, default=4)
     parser.add_argument("--until", type=float, default=None)
-    parser.add_argument("--limit", type=float, default=1e6, help="time that a run may take (s); its exit code is then -1")
+    parser.add_argument("--limit", type=float, default=1e6,
+                        help="time that a run may take (s); its exit code is then -1, and the same call with the same --out goes on with it")
     parser.add_argument("--out", default=None)
     options = parser.parse_args()
+    options.out = options.out or tempfile.mkdtemp()
     first, _, last = options.draws.partition("-")
     numbers = range(int(first), int(last or first) + 1)
     print("draw  exit  ended at  steps  missed  passes  punctures  caught  cuts  throws  crossings  gap after each throw (mm), and at the end")
