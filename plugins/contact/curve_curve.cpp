@@ -14,6 +14,7 @@ namespace {
 constexpr Real margin = 0.5;         // a touch is built from this far, before there is one
 constexpr Real node_margin = 0.25;   // and at nodes of strands that run along each other
 constexpr Real clearance = 0.5;      // centrelines may come as near to each other on their ways
+constexpr Real folded = 0.9;         // or by a tenth, where they begin nearer than that
 constexpr Real arc = clearance / 2;  // so far off its straight way none gets through
 constexpr Real nearer = 1e-3;        // by more than at the touches beside: there is one too
 constexpr Real dip = 0.05;           // so much of an overlap a step takes back
@@ -195,7 +196,10 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   if (!is_free(end)) {
     ClosestPair at = closest_on(a0, c0, fine);
     if (!is_free(at)) {
-      const Real way = way_through(motion, clearance * R, [&](Real t) {
+      // What a thread folds to within one bend of it counts as two strands only once it has turned
+      // far enough, and may be nearer than that by then.
+      const Real least = std::min(clearance * R, folded * at.distance);
+      const Real way = way_through(motion, least, [&](Real t) {
         at = closest_on(a_.at(i, t), b().at(j, t), fine);
         return at.distance;
       });

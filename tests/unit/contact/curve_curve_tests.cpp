@@ -77,6 +77,28 @@ TEST(CurveCurve, TakesADeepOverlapBackInSteps) {
   for (const Touch& t : Crossed(0.192e-3, 90).touches) EXPECT_EQ(t.left, 0);
 }
 
+// A thread that folds at a hand is nearer to itself than two strands may come, as it begins to count
+// as two. It is not held for ever where it is: it may go wherever it comes no nearer by a tenth.
+TEST(CurveCurve, WhatBeginsTooNearMayGoApart) {
+  Crossed threads(0.09e-3, 90);  // half a thickness is as near as they may come
+  Body& body = threads.run.component<Body>("/a");
+  body.load().setZero(body.dofs());
+  body.begin_step(StepContext{});
+  const auto free_way = [&](const Vec3& by) {  // of the first thread as a whole (m)
+    VecX motion = VecX::Zero(body.dofs());
+    for (Index i = 0; i < body.dofs(); i += 6) motion.segment<3>(i) = by;
+    body.move_to(StepContext{}, motion);
+    threads.touches.clear();
+    threads.pair.find(threads.memory, threads.touches);
+    return threads.pair.free_way();
+  };
+  EXPECT_EQ(free_way({0, 0, 0.05e-3}), 1);
+  EXPECT_EQ(free_way({0, 0.3e-3, 0}), 1);
+  EXPECT_EQ(free_way({0, 0, -0.008e-3}), 1);
+  // Through the other one, 0.09 mm below, a tenth of that is free.
+  EXPECT_NEAR(free_way({0, 0, -0.18e-3}), 0.009 / 0.18, 1e-3);
+}
+
 // A third of a circle that hands turn in its plane within a step: on the straight way from one
 // state to the other it shrinks, and from some 150 degrees on it goes through itself.
 TEST(CurveCurve, SeesAStrandGoThroughItselfAsItIsTurnedRound) {
