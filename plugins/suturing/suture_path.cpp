@@ -17,8 +17,7 @@ namespace {
 constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
 constexpr std::uint64_t turning = (1ull << 38);  // names of forces that turn are from here on
 
-// Forces at samples that turn with the thread matter from this share of the largest on.
-constexpr Real matters = 1e-3;
+constexpr Real matters = 1e-3;  // of the largest force at a sample: what turns with the thread
 
 // In units of the spacing of samples.
 constexpr Real too_close_to_tip = 0.3;  // rows that would repeat those of the end
@@ -223,7 +222,7 @@ Vec3 SuturePath::way_along_block(const ConstraintBuilder& builder) const {
 /// Force across the thread at a sample, in the pass before (N).
 Vec3 SuturePath::known_force(const Crossing& c, const ConstraintBuilder& builder) const {
   const Key key = make_key(source_id_, c.id);
-  return c.axes.row(1) * builder.known_force(key, 0) + c.axes.row(2) * builder.known_force(key, 1);
+  return c.axes.row(1) * builder.known_force(key) + c.axes.row(2) * builder.known_force(key, 1);
 }
 
 /// The force across the thread turns with it, as it slides on round a bend and as it leans. Rows do
@@ -232,10 +231,12 @@ Vec3 SuturePath::known_force(const Crossing& c, const ConstraintBuilder& builder
 void SuturePath::add_turning_force(const StepContext& context, const Crossing& c, const Vec3& force,
                                    ConstraintBuilder& builder) const {
   const Real reach = 2 * thread_->radius(c.abscissa);
-  const Real low = std::max(c.abscissa - reach, Real(0));
-  const Real high = std::min(c.abscissa + reach, thread_->length());
-  const Vec3 turn = thread_->tangent(high, Configuration::current) -
-                    thread_->tangent(low, Configuration::current);
+  const Pieces::Piece piece = channel_->piece_at(c.sample);  // what is beyond a cut turns nothing
+  const Real low = std::max(c.abscissa - reach, piece.low);
+  const Real high = std::min(c.abscissa + reach, piece.high);
+  if (!(low < high)) return;
+  constexpr Configuration now = Configuration::current;
+  const Vec3 turn = thread_->tangent(high, now) - thread_->tangent(low, now);
   const Real arm = high - low, size = force.norm();
   // A name for this pass only: what it carried is not taken on.
   const std::uint64_t name = turning | (c.id << 8) | static_cast<std::uint64_t>(context.pass & 255);

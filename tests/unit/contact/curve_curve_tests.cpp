@@ -77,8 +77,9 @@ TEST(CurveCurve, TakesADeepOverlapBackInSteps) {
   for (const Touch& t : Crossed(0.192e-3, 90).touches) EXPECT_EQ(t.left, 0);
 }
 
-// A thread that folds at a hand is nearer to itself than two strands may come, as it begins to count
-// as two. It is not held for ever where it is: it may go wherever it comes no nearer by a tenth.
+// A thread that folds at a hand is nearer to itself than two strands may come, as it begins to
+// count as two. It is not held for ever where it is: it may go wherever it comes no nearer by a
+// tenth.
 TEST(CurveCurve, WhatBeginsTooNearMayGoApart) {
   Crossed threads(0.09e-3, 90);  // half a thickness is as near as they may come
   Body& body = threads.run.component<Body>("/a");

@@ -112,7 +112,8 @@ TEST_F(TurningForces, AreTheDerivativeOfTheForcesOfTheRows) {
 
   const ConstraintProblem here = problem;
   Index turning = 0;
-  for (const ConstraintBlock& b : here.blocks) turning += b.law->name == TurningForce::name;
+  for (const ConstraintBlock& b : here.blocks)
+    turning += std::string_view(b.law->name) == TurningForce::name;
   ASSERT_GE(turning, 4);
   for (Index k = 0; k < 9; ++k) {
     const VecX u = VecX::Unit(9, k);
@@ -121,7 +122,7 @@ TEST_F(TurningForces, AreTheDerivativeOfTheForcesOfTheRows) {
     problem.bodies[0].add_product(1, u.head<6>(), delta);
     problem.bodies[1].add_product(1, u.tail<3>(), delta);
     for (const ConstraintBlock& b : problem.blocks) {
-      if (b.law->name != TurningForce::name) continue;
+      if (std::string_view(b.law->name) != TurningForce::name) continue;
       const auto& p = *static_cast<const TurningForce::Params*>(problem.block_params(b));
       const Real a = delta[b.first_row], turn = delta[b.first_row + 1];
       answer.segment<2>(b.first_row) = -Vec2(p.stiffness * a + p.coupling * turn, p.coupling * a);
