@@ -1,8 +1,8 @@
 // Where the next pass of a step begins.
 //
 // A pass takes the guess x to G(x): it linearises each body and its rows. What it leaves out (rows
-// that slide along a bent thread under load change their force) makes passes contract slowly, or
-// swing to and fro for ever. Anderson's method (D. G. Anderson, J. ACM 12, 1965; H. F. Walker and
+// that turn with what they touch change their force) makes passes contract slowly, or swing to and
+// fro for ever. Anderson's method (D. G. Anderson, J. ACM 12, 1965; H. F. Walker and
 // P. Ni, SIAM J. Numer. Anal. 49, 2011) finds that part from the passes themselves: of the last
 // few it takes the affine combination whose change G(x) - x is smallest, and the next pass starts
 // there. What a step ends with is always the result of a pass, measured like any other. A pass in
