@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t end_of_channel = (1ull << 39);  // no sample id comes near it
 constexpr std::uint64_t turning = (1ull << 38);  // names of forces that turn are from here on
 
-constexpr Real matters = 1e-3;  // of the largest force at a sample: what turns with the thread
+constexpr Real matters = 1e-3;  // of the largest force: how a smaller one turns is left out
 
 // In units of the spacing of samples.
 constexpr Real too_close_to_tip = 0.3;  // rows that would repeat those of the end
