@@ -21,7 +21,12 @@ constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int most_handed_over = 3;  // segments beyond the mouth
 constexpr int parts = 2;             // chords of a segment
-constexpr Real other_side = 0.9;     // sides whose normals are closer than this (cosine) are one
+constexpr Real on_border = 1e-9;     // a foot of no more weight at a node is on the opposite edge
+
+/// Is the point of the curve on the outer side of the triangle?
+bool is_over(const Vec3& apart, const Corners& c) {
+  return apart.dot((c[1] - c[0]).cross(c[2] - c[0])) > 0;
+}
 
 }  // namespace
 
@@ -38,6 +43,7 @@ void CurveSurface::look(bool standing) {
     s.low -= mouth * curve_.radius(s.low);
     s.high += mouth * curve_.radius(s.high);
   }
+  handed_over_.clear();
   for (Passage::Stretch& s : inside_) hand_over(s);
   if (passage_ != nullptr) hand_over_ends();
   if (passage_ != nullptr && curve_.needle_length() > 0)
@@ -57,8 +63,7 @@ bool CurveSurface::began_nearer(std::size_t i, Real part) const {
 }
 
 /// What has just come out of a channel may still be in the surface. It stays with the channel until
-/// it is clear: a touch would throw it out. And what is nearer than any touch lets it come cannot
-/// have come from outside: its way would be barred from the start.
+/// it is clear: its way would be barred from the start, and a touch would throw it out.
 void CurveSurface::hand_over(Passage::Stretch& stretch) {
   const std::size_t n = seen_.size();
   std::size_t first = 0, last = n;
@@ -67,8 +72,11 @@ void CurveSurface::hand_over(Passage::Stretch& stretch) {
   const auto stays = [this](std::size_t i, int handed_over) {
     return began_nearer(i, handed_over < most_handed_over ? clear : clearance);
   };
+  const Passage::Stretch mouths = stretch;
   for (int k = 0; first > 0 && stays(first - 1, k); ++k) stretch.low = seen_.now[--first].from;
   for (int k = 0; last < n && stays(last, k); ++k) stretch.high = seen_.now[last++].to;
+  if (stretch.low < mouths.low) handed_over_.push_back({stretch.low, mouths.low});
+  if (stretch.high > mouths.high) handed_over_.push_back({mouths.high, stretch.high});
 }
 
 /// Likewise an end that has come out with nothing of the curve left in the channel.
@@ -85,6 +93,34 @@ bool CurveSurface::is_inside(Real low, Real high) const {
   for (const Passage::Stretch& s : inside_)
     if (low < s.high && high > s.low) return true;
   return false;
+}
+
+/// What is over the surface there stays as high as it is: under tension it would sink in beside the
+/// mouth, and one segment draw the next one in.
+void CurveSurface::hold_up(std::size_t i, std::vector<Touch>& out) {
+  const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
+  Box box;
+  MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
+  surface_.near(box.grown((1 + margin) * s.radius), [&](Index t) { around_.push_back(t); });
+  std::sort(around_.begin(), around_.end());
+  for (const Real u : {0., 1.}) {
+    const Real place = s.abscissa(u);
+    const bool was_handed_over =
+        place > curve_.needle_length() &&
+        std::any_of(handed_over_.begin(), handed_over_.end(),
+                    [&](const Passage::Stretch& h) { return place > h.low && place < h.high; });
+    if (!was_handed_over || !seen_.has_node(i, u)) continue;
+    sides_of(i, u, sides_);
+    if (sides_.empty() && !feet_.empty()) sides_.push_back(feet_[0]);  // a guess may sink in
+    for (const Near& side : sides_) {
+      const Index t = side.triangle;
+      const Near start = closest_to(s0, u, t, surface_.at(t, 0));
+      if (!is_over(start.apart, surface_.at(t, 0))) continue;
+      const Real outward = is_over(side.apart, surface_.now(t)) ? 1 : -1;
+      touch(i, side, outward / side.distance * side.apart, out);
+      out.back().left = std::max(Real(0), s.radius - start.distance);
+    }
+  }
 }
 
 /// How far a segment may be from its straight way seen from the surface (m).
@@ -155,13 +191,14 @@ void CurveSurface::look_for_touches(const TouchedPlaces& before, std::vector<Tou
 void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
   const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
   const Real r = s.radius;
-  if (s.cut || is_inside(s.from, s.to)) return;
+  around_.clear();
+  if (s.cut) return;
+  if (is_inside(s.from, s.to)) return hold_up(i, out);
   Box box;
   MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
   const Vec3 common = s.xa - s0.xa;
   const Real own_motion = seen_.motion(i, common);
   doubt(i, box, own_motion, common);
-  around_.clear();
   surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
   if (around_.empty()) return;
   std::sort(around_.begin(), around_.end());  // so that no result hangs on the search
@@ -178,7 +215,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   if (free < 1) {
     // A carried surface does not wait for what is in its way: so that is touched where they met.
     free_way_ = std::min(free_way_, free);
-    if (met.distance > 0) touch(i, met, out);
+    if (met.distance > 0) touch(i, met, met.apart / met.distance, out);
     return;
   }
 
@@ -193,7 +230,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     sides_of(i, u, sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      if (has_node(u)) touch(i, side, out);
+      if (has_node(u)) touch(i, side, side.apart / side.distance, out);
     }
   }
   // Where it was touched before, and where the surface stands out between.
@@ -203,7 +240,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     sides_of(i, (place - s.from) / s.length(), sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      touch(i, side, out);
+      touch(i, side, side.apart / side.distance, out);
     }
   }
   Near lowest;
@@ -212,36 +249,50 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     const Near at = closest(s, t, surface_.now(t));
     if (at.distance < lowest.distance && at.u > at_node && at.u < 1 - at_node) lowest = at;
   }
-  if (lowest.triangle >= 0) touch(i, lowest, out);
+  if (lowest.triangle >= 0) touch(i, lowest, lowest.apart / lowest.distance, out);
 }
 
-void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) const {
-  out.clear();
+/// A foot on an edge or at a node, of which another triangle there is nearer, is none. So a side
+/// comes and goes only where its foot leaves its triangle, however the angle between two changes.
+/// Nor is one on the far side of something thin.
+void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) {
   const CurveSegment& s = seen_.now[i];
   const Real reach = (1 + margin) * s.radius;
-  while (true) {
-    Near best;
-    best.distance = reach;
-    for (const Index t : around_) {
-      const Near at = closest_to(s, u, t, surface_.now(t));
-      if (!(at.distance < best.distance) || !(at.distance > 0)) continue;
-      bool is_new = true;
-      for (const Near& side : out)
-        is_new = is_new && at.apart.dot(side.apart) < other_side * at.distance * side.distance;
-      if (is_new) best = at;
-    }
-    if (best.triangle < 0 || out.size() == 3) return;
-    out.push_back(best);
+  feet_.clear();
+  for (const Index t : around_)
+    if (const Near at = closest_to(s, u, t, surface_.now(t)); at.distance > 0) feet_.push_back(at);
+  std::sort(feet_.begin(), feet_.end(), [](const Near& a, const Near& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
+  });
+  out.clear();
+  for (auto foot = feet_.begin(); foot != feet_.end() && foot->distance < reach; ++foot) {
+    const auto carries = [&](const Near& other) { return is_on(*foot, other.triangle); };
+    const auto faces = [&](const Near& other) {
+      return carries(other) && is_over(foot->apart, surface_.now(other.triangle));
+    };
+    if (std::none_of(feet_.begin(), foot, carries) && std::any_of(foot, feet_.end(), faces))
+      out.push_back(*foot);
   }
 }
 
-void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out) const {
+/// Is the foot a point of this triangle too?
+bool CurveSurface::is_on(const Near& foot, Index triangle) const {
+  const auto &own = surface_.nodes(foot.triangle), &nodes = surface_.nodes(triangle);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (foot.weights[static_cast<Index>(k)] > on_border &&
+        std::find(nodes.begin(), nodes.end(), own[k]) == nodes.end())
+      return false;
+  return true;
+}
+
+void CurveSurface::touch(std::size_t i, const Near& at, const Vec3& normal,
+                         std::vector<Touch>& out) const {
   const CurveSegment& s = seen_.now[i];
   Touch& t = out.emplace_back();
   t.first_place = s.abscissa(at.u);
   t.triangle = at.triangle;
   t.weights = at.weights;
-  t.normal = at.apart / at.distance;
+  t.normal = normal;
   t.second_place = t.normal.dot(Vec3(1, 2, 4));  // tells the sides of one node apart
   t.along = s.slope(at.u);
   const Corners corners = surface_.now(at.triangle);
