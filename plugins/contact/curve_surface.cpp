@@ -14,8 +14,12 @@ constexpr Real arc = clearance / 2;  // so far off its straight way it does not 
 constexpr Real dip = 1e-4;           // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;            // around the mouth of a channel, the channel holds the curve
 constexpr Real clear = 0.75;         // of the surface: as much may overlap where a touch begins
+constexpr Real stuck = 0.05;         // nearer than that it crosses the surface
+constexpr Real taken_back = 0.05;    // of an overlap at the start, in a step
 constexpr Real sunk = 1;             // deeper in the surface than at any mouth
 constexpr Real point = 6;  // so long is a needle's point, which presses by a law of its own
+// In units of the distance at the start.
+constexpr Real no_nearer = 0.9;
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
@@ -114,11 +118,9 @@ void CurveSurface::hold_up(std::size_t i, std::vector<Touch>& out) {
     if (sides_.empty() && !feet_.empty()) sides_.push_back(feet_[0]);  // a guess may sink in
     for (const Near& side : sides_) {
       const Index t = side.triangle;
-      const Near start = closest_to(s0, u, t, surface_.at(t, 0));
-      if (!is_over(start.apart, surface_.at(t, 0))) continue;
+      if (!is_over(closest_to(s0, u, t, surface_.at(t, 0)).apart, surface_.at(t, 0))) continue;
       const Real outward = is_over(side.apart, surface_.now(t)) ? 1 : -1;
       touch(i, side, outward / side.distance * side.apart, out);
-      out.back().left = std::max(Real(0), s.radius - start.distance);
     }
   }
 }
@@ -209,7 +211,13 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   for (const Index t : around_) {
     const Real motion = own_motion + surface_.motion(t, common);
     const auto at = [&](Real now) { return closest(seen_.at(i, now), t, surface_.at(t, now)); };
-    const Real way = way_through(motion, clearance * r, [&](Real now) { return at(now).distance; });
+    // What begins nearer than it may come may go wherever it comes no nearer: barred from the start
+    // it would hold up the whole scene, at every step to come. What sticks in the surface is a
+    // fault.
+    const Real start = at(0).distance;
+    if (start < stuck * r) continue;
+    const Real least = std::min(clearance * r, no_nearer * start);
+    const Real way = way_through(motion, least, [&](Real now) { return at(now).distance; });
     if (way < free) free = way, met = at(way);
   }
   if (free < 1) {
@@ -249,6 +257,8 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     const Near at = closest(s, t, surface_.now(t));
     if (at.distance < lowest.distance && at.u > at_node && at.u < 1 - at_node) lowest = at;
   }
+  // What is nearer than it may come sticks in the surface, or is on its way through from inside.
+  if (lowest.distance < clearance * r) return;
   if (lowest.triangle >= 0) touch(i, lowest, lowest.apart / lowest.distance, out);
 }
 
@@ -303,6 +313,11 @@ void CurveSurface::touch(std::size_t i, const Near& at, const Vec3& normal,
   t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
   t.at = s.point(at.u) + t.first_arm;
   t.gap = height - s.radius;
+  // Taken back at once, a deep overlap would throw the curve about.
+  if (t.gap < -taken_back * s.radius) {
+    const Near start = closest_to(seen_.start[i], at.u, at.triangle, surface_.at(at.triangle, 0));
+    t.left = std::max(Real(0), (1 - taken_back) * s.radius - start.distance);
+  }
 }
 
 Real CurveSurface::built_from(const Touch& t) const {

@@ -6,10 +6,8 @@
 namespace sutura::contact {
 namespace {
 
-// Cosine between the sides of an edge that stands out: 0.8 degrees or more. Two flatter ones
-// overlap unseen, by up to tan(0.8 degrees / 2) / 2 of their length, 0.4 %. The angle changes
-// within a pass, and what was unseen is there at once: at 18 degrees 8 %, and some passes go to and
-// fro over that.
+// Cosine between the sides of an edge that stands out: 18 degrees or more. Flatter ones are seen by
+// the nodes around.
 constexpr Real flat = 0.95;
 
 }  // namespace
@@ -83,7 +81,7 @@ bool SurfaceEdges::faces(Index edge, const Vec3& direction, When when) const {
   constexpr Real rounding = 1e-3;
   const Sides& s = sides_[static_cast<std::size_t>(edge)][when];
   if (!s.is_ridge) return false;
-  const Vec3 turn = s.first.cross(s.second).normalized();
+  const Vec3 turn = s.first.cross(s.second);
   return s.first.cross(direction).dot(turn) > -rounding &&
          direction.cross(s.second).dot(turn) > -rounding && direction.dot(s.first + s.second) > 0;
 }
