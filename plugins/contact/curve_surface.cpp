@@ -13,7 +13,7 @@ constexpr Real clearance = 0.5;      // a centreline may come as near to the sur
 constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
 constexpr Real dip = 1e-4;           // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;            // around the mouth of a channel, the channel holds the curve
-constexpr Real clear = 0.75;         // of the surface: as much may overlap where a touch begins
+constexpr Real clear = 0.75;         // of the surface: what is nearer overlaps
 constexpr Real stuck = 0.05;         // nearer than that it crosses the surface
 constexpr Real taken_back = 0.05;    // of an overlap at the start, in a step
 constexpr Real sunk = 1;             // deeper in the surface than at any mouth
@@ -187,6 +187,7 @@ CurveSurface::Near CurveSurface::closest_to(const CurveSegment& s, Real u, Index
 void CurveSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   look(false);
   begin_look();
+  overlap_at_start_ = 0;
   for (std::size_t i = 0; i < seen_.size(); ++i) meet(i, before, out);
 }
 
@@ -212,12 +213,13 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     const Real motion = own_motion + surface_.motion(t, common);
     const auto at = [&](Real now) { return closest(seen_.at(i, now), t, surface_.at(t, now)); };
     // What begins nearer than it may come may go wherever it comes no nearer: barred from the start
-    // it would hold up the whole scene, at every step to come. What sticks in the surface is a
-    // fault.
+    // it would hold up the whole scene, at every step to come. While it overlaps it is a fault.
     const Real start = at(0).distance;
+    if (start < clear * r) overlap_at_start_ = std::max(overlap_at_start_, r - start);
     if (start < stuck * r) continue;
     const Real least = std::min(clearance * r, no_nearer * start);
-    const Real way = way_through(motion, least, [&](Real now) { return at(now).distance; });
+    const Real way =
+        way_through(motion, least, [&](Real now) { return now > 0 ? at(now).distance : start; });
     if (way < free) free = way, met = at(way);
   }
   if (free < 1) {
@@ -342,17 +344,17 @@ Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
   return {seen_.segment_at(t.first_place).length() / 4, 1};
 }
 
-/// What has come out of its channel and gone into the tissue beside it: surfaces are not met from
-/// inside.
+/// What touches have not held apart, and what has come out of its channel and gone into the tissue
+/// beside it: surfaces are not met from inside.
 Real CurveSurface::unseen_overlap() {
-  if (passage_ == nullptr) return 0;
+  if (passage_ == nullptr) return overlap_at_start_;
   const auto is_held = [&](const CurveSegment& s) {
     return std::any_of(held_.begin(), held_.end(), [&](const Passage::Stretch& h) {
       const Real more = mouth * s.radius;
       return s.from < h.high + more && s.to > h.low - more;
     });
   };
-  Real deepest = 0;
+  Real deepest = overlap_at_start_;
   for (const CurveSegment& s : seen_.now) {
     if (s.cut || is_held(s)) continue;
     for (const Vec3& p : {s.xa, s.xb}) {

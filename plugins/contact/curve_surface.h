@@ -67,6 +67,7 @@ class CurveSurface : public Pair {
   std::vector<Passage::Stretch> handed_over_;  ///< of that, what is beyond the mouths
   std::vector<Index> around_;                  ///< triangles that a segment may meet
   std::vector<Near> feet_, sides_;             ///< of a point of the curve
+  Real overlap_at_start_ = 0;                  ///< away from the mouths (m)
 };
 
 }  // namespace sutura::contact

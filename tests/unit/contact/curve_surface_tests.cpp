@@ -87,7 +87,7 @@ TEST(BesideAMouth, AThreadDoesNotSinkIn) {
   }
 }
 
-// Barred from its first point on it would not get away, and with it nothing would.
+// Barred from its first point on it would not get away, and with it nothing would. Said it is.
 TEST(TooNear, MayGoWhereItComesNoNearer) {
   OverSkin thread(0.3 * r, false);
   EXPECT_EQ(thread.free_way(0.3 * r), 1);
@@ -95,6 +95,7 @@ TEST(TooNear, MayGoWhereItComesNoNearer) {
   EXPECT_EQ(thread.free_way(0.28 * r), 1);
   EXPECT_LT(thread.free_way(0.2 * r), 1);
   EXPECT_LT(thread.free_way(-r), 1);
+  EXPECT_NEAR(thread.pair.unseen_overlap(), 0.7 * r, 1e-9);
 }
 
 }  // namespace
