@@ -13,24 +13,15 @@ constexpr Real clearance = 0.5;      // a centreline may come as near to the sur
 constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
 constexpr Real dip = 1e-4;           // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;            // around the mouth of a channel, the channel holds the curve
-constexpr Real clear = 0.75;         // of the surface: what is nearer overlaps
-constexpr Real stuck = 0.05;         // nearer than that it crosses the surface
-constexpr Real taken_back = 0.05;    // of an overlap at the start, in a step
+constexpr Real clear = 0.75;         // of the surface: as much may overlap where a touch begins
 constexpr Real sunk = 1;             // deeper in the surface than at any mouth
 constexpr Real point = 6;  // so long is a needle's point, which presses by a law of its own
-// In units of the distance at the start.
-constexpr Real no_nearer = 0.9;
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int most_handed_over = 3;  // segments beyond the mouth
 constexpr int parts = 2;             // chords of a segment
-constexpr Real on_border = 1e-9;     // a foot of no more weight at a node is on the opposite edge
-
-/// Is the point of the curve on the outer side of the triangle?
-bool is_over(const Vec3& apart, const Corners& c) {
-  return apart.dot((c[1] - c[0]).cross(c[2] - c[0])) > 0;
-}
+constexpr Real other_side = 0.9;     // sides whose normals are closer than this (cosine) are one
 
 }  // namespace
 
@@ -47,7 +38,6 @@ void CurveSurface::look(bool standing) {
     s.low -= mouth * curve_.radius(s.low);
     s.high += mouth * curve_.radius(s.high);
   }
-  handed_over_.clear();
   for (Passage::Stretch& s : inside_) hand_over(s);
   if (passage_ != nullptr) hand_over_ends();
   if (passage_ != nullptr && curve_.needle_length() > 0)
@@ -67,7 +57,8 @@ bool CurveSurface::began_nearer(std::size_t i, Real part) const {
 }
 
 /// What has just come out of a channel may still be in the surface. It stays with the channel until
-/// it is clear: its way would be barred from the start, and a touch would throw it out.
+/// it is clear: a touch would throw it out. And what is nearer than any touch lets it come cannot
+/// have come from outside: its way would be barred from the start.
 void CurveSurface::hand_over(Passage::Stretch& stretch) {
   const std::size_t n = seen_.size();
   std::size_t first = 0, last = n;
@@ -76,11 +67,8 @@ void CurveSurface::hand_over(Passage::Stretch& stretch) {
   const auto stays = [this](std::size_t i, int handed_over) {
     return began_nearer(i, handed_over < most_handed_over ? clear : clearance);
   };
-  const Passage::Stretch mouths = stretch;
   for (int k = 0; first > 0 && stays(first - 1, k); ++k) stretch.low = seen_.now[--first].from;
   for (int k = 0; last < n && stays(last, k); ++k) stretch.high = seen_.now[last++].to;
-  if (stretch.low < mouths.low) handed_over_.push_back({stretch.low, mouths.low});
-  if (stretch.high > mouths.high) handed_over_.push_back({mouths.high, stretch.high});
 }
 
 /// Likewise an end that has come out with nothing of the curve left in the channel.
@@ -97,32 +85,6 @@ bool CurveSurface::is_inside(Real low, Real high) const {
   for (const Passage::Stretch& s : inside_)
     if (low < s.high && high > s.low) return true;
   return false;
-}
-
-/// What is over the surface there stays as high as it is: under tension it would sink in beside the
-/// mouth, and one segment draw the next one in.
-void CurveSurface::hold_up(std::size_t i, std::vector<Touch>& out) {
-  const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
-  Box box;
-  MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
-  surface_.near(box.grown((1 + margin) * s.radius), [&](Index t) { around_.push_back(t); });
-  std::sort(around_.begin(), around_.end());
-  for (const Real u : {0., 1.}) {
-    const Real place = s.abscissa(u);
-    const bool was_handed_over =
-        place > curve_.needle_length() &&
-        std::any_of(handed_over_.begin(), handed_over_.end(),
-                    [&](const Passage::Stretch& h) { return place > h.low && place < h.high; });
-    if (!was_handed_over || !seen_.has_node(i, u)) continue;
-    sides_of(i, u, sides_);
-    if (sides_.empty() && !feet_.empty()) sides_.push_back(feet_[0]);  // a guess may sink in
-    for (const Near& side : sides_) {
-      const Index t = side.triangle;
-      if (!is_over(closest_to(s0, u, t, surface_.at(t, 0)).apart, surface_.at(t, 0))) continue;
-      const Real outward = is_over(side.apart, surface_.now(t)) ? 1 : -1;
-      touch(i, side, outward / side.distance * side.apart, out);
-    }
-  }
 }
 
 /// How far a segment may be from its straight way seen from the surface (m).
@@ -187,21 +149,19 @@ CurveSurface::Near CurveSurface::closest_to(const CurveSegment& s, Real u, Index
 void CurveSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   look(false);
   begin_look();
-  overlap_at_start_ = 0;
   for (std::size_t i = 0; i < seen_.size(); ++i) meet(i, before, out);
 }
 
 void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<Touch>& out) {
   const CurveSegment &s = seen_.now[i], &s0 = seen_.start[i];
   const Real r = s.radius;
-  around_.clear();
-  if (s.cut) return;
-  if (is_inside(s.from, s.to)) return hold_up(i, out);
+  if (s.cut || is_inside(s.from, s.to)) return;
   Box box;
   MovingCurve::add_to(box, s), MovingCurve::add_to(box, s0);
   const Vec3 common = s.xa - s0.xa;
   const Real own_motion = seen_.motion(i, common);
   doubt(i, box, own_motion, common);
+  around_.clear();
   surface_.near(box.grown((1 + margin) * r), [&](Index t) { around_.push_back(t); });
   if (around_.empty()) return;
   std::sort(around_.begin(), around_.end());  // so that no result hangs on the search
@@ -212,20 +172,13 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   for (const Index t : around_) {
     const Real motion = own_motion + surface_.motion(t, common);
     const auto at = [&](Real now) { return closest(seen_.at(i, now), t, surface_.at(t, now)); };
-    // What begins nearer than it may come may go wherever it comes no nearer: barred from the start
-    // it would hold up the whole scene, at every step to come. While it overlaps it is a fault.
-    const Real start = at(0).distance;
-    if (start < clear * r) overlap_at_start_ = std::max(overlap_at_start_, r - start);
-    if (start < stuck * r) continue;
-    const Real least = std::min(clearance * r, no_nearer * start);
-    const Real way =
-        way_through(motion, least, [&](Real now) { return now > 0 ? at(now).distance : start; });
+    const Real way = way_through(motion, clearance * r, [&](Real now) { return at(now).distance; });
     if (way < free) free = way, met = at(way);
   }
   if (free < 1) {
     // A carried surface does not wait for what is in its way: so that is touched where they met.
     free_way_ = std::min(free_way_, free);
-    if (met.distance > 0) touch(i, met, met.apart / met.distance, out);
+    if (met.distance > 0) touch(i, met, out);
     return;
   }
 
@@ -240,7 +193,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     sides_of(i, u, sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      if (has_node(u)) touch(i, side, side.apart / side.distance, out);
+      if (has_node(u)) touch(i, side, out);
     }
   }
   // Where it was touched before, and where the surface stands out between.
@@ -250,7 +203,7 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     sides_of(i, (place - s.from) / s.length(), sides_);
     for (const Near& side : sides_) {
       nearest = std::min(nearest, side.distance);
-      touch(i, side, side.apart / side.distance, out);
+      touch(i, side, out);
     }
   }
   Near lowest;
@@ -259,52 +212,36 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     const Near at = closest(s, t, surface_.now(t));
     if (at.distance < lowest.distance && at.u > at_node && at.u < 1 - at_node) lowest = at;
   }
-  // What is nearer than it may come sticks in the surface, or is on its way through from inside.
-  if (lowest.distance < clearance * r) return;
-  if (lowest.triangle >= 0) touch(i, lowest, lowest.apart / lowest.distance, out);
+  if (lowest.triangle >= 0) touch(i, lowest, out);
 }
 
-/// A foot on an edge or at a node, of which another triangle there is nearer, is none. So a side
-/// comes and goes only where its foot leaves its triangle, however the angle between two changes.
-/// Nor is one on the far side of something thin.
-void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) {
+void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) const {
+  out.clear();
   const CurveSegment& s = seen_.now[i];
   const Real reach = (1 + margin) * s.radius;
-  feet_.clear();
-  for (const Index t : around_)
-    if (const Near at = closest_to(s, u, t, surface_.now(t)); at.distance > 0) feet_.push_back(at);
-  std::sort(feet_.begin(), feet_.end(), [](const Near& a, const Near& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
-  });
-  out.clear();
-  for (auto foot = feet_.begin(); foot != feet_.end() && foot->distance < reach; ++foot) {
-    const auto carries = [&](const Near& other) { return is_on(*foot, other.triangle); };
-    const auto faces = [&](const Near& other) {
-      return carries(other) && is_over(foot->apart, surface_.now(other.triangle));
-    };
-    if (std::none_of(feet_.begin(), foot, carries) && std::any_of(foot, feet_.end(), faces))
-      out.push_back(*foot);
+  while (true) {
+    Near best;
+    best.distance = reach;
+    for (const Index t : around_) {
+      const Near at = closest_to(s, u, t, surface_.now(t));
+      if (!(at.distance < best.distance) || !(at.distance > 0)) continue;
+      bool is_new = true;
+      for (const Near& side : out)
+        is_new = is_new && at.apart.dot(side.apart) < other_side * at.distance * side.distance;
+      if (is_new) best = at;
+    }
+    if (best.triangle < 0 || out.size() == 3) return;
+    out.push_back(best);
   }
 }
 
-/// Is the foot a point of this triangle too?
-bool CurveSurface::is_on(const Near& foot, Index triangle) const {
-  const auto &own = surface_.nodes(foot.triangle), &nodes = surface_.nodes(triangle);
-  for (std::size_t k = 0; k < 3; ++k)
-    if (foot.weights[static_cast<Index>(k)] > on_border &&
-        std::find(nodes.begin(), nodes.end(), own[k]) == nodes.end())
-      return false;
-  return true;
-}
-
-void CurveSurface::touch(std::size_t i, const Near& at, const Vec3& normal,
-                         std::vector<Touch>& out) const {
+void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out) const {
   const CurveSegment& s = seen_.now[i];
   Touch& t = out.emplace_back();
   t.first_place = s.abscissa(at.u);
   t.triangle = at.triangle;
   t.weights = at.weights;
-  t.normal = normal;
+  t.normal = at.apart / at.distance;
   t.second_place = t.normal.dot(Vec3(1, 2, 4));  // tells the sides of one node apart
   t.along = s.slope(at.u);
   const Corners corners = surface_.now(at.triangle);
@@ -315,11 +252,6 @@ void CurveSurface::touch(std::size_t i, const Near& at, const Vec3& normal,
   t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
   t.at = s.point(at.u) + t.first_arm;
   t.gap = height - s.radius;
-  // Taken back at once, a deep overlap would throw the curve about.
-  if (t.gap < -taken_back * s.radius) {
-    const Near start = closest_to(seen_.start[i], at.u, at.triangle, surface_.at(at.triangle, 0));
-    t.left = std::max(Real(0), (1 - taken_back) * s.radius - start.distance);
-  }
 }
 
 Real CurveSurface::built_from(const Touch& t) const {
@@ -344,17 +276,17 @@ Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
   return {seen_.segment_at(t.first_place).length() / 4, 1};
 }
 
-/// What touches have not held apart, and what has come out of its channel and gone into the tissue
-/// beside it: surfaces are not met from inside.
+/// What has come out of its channel and gone into the tissue beside it: surfaces are not met from
+/// inside.
 Real CurveSurface::unseen_overlap() {
-  if (passage_ == nullptr) return overlap_at_start_;
+  if (passage_ == nullptr) return 0;
   const auto is_held = [&](const CurveSegment& s) {
     return std::any_of(held_.begin(), held_.end(), [&](const Passage::Stretch& h) {
       const Real more = mouth * s.radius;
       return s.from < h.high + more && s.to > h.low - more;
     });
   };
-  Real deepest = overlap_at_start_;
+  Real deepest = 0;
   for (const CurveSegment& s : seen_.now) {
     if (s.cut || is_held(s)) continue;
     for (const Vec3& p : {s.xa, s.xb}) {

@@ -23,7 +23,6 @@ class CurveSurface : public Pair {
     surface_.boundary()->tell_force(-force, touch.at);
   }
   Real unseen_overlap() override;
-  bool sees_left_overlap() const override { return true; }
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -46,28 +45,22 @@ class CurveSurface : public Pair {
   Real bulge(std::size_t segment) const;
   void doubt(std::size_t segment, const Box& box, Real motion, const Vec3& common);
   bool is_inside(Real low, Real high) const;
-  void hold_up(std::size_t segment, std::vector<Touch>& out);
   void meet(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
   Near closest(const CurveSegment& s, Index triangle, const Corners& at) const;
   static Near closest_to(const CurveSegment& s, Real u, Index triangle, const Corners& at);
-  /// The points of the surface around a point that are closest to it among their neighbours, one
-  /// for each side that it faces.
-  void sides_of(std::size_t segment, Real u, std::vector<Near>& out);
-  bool is_on(const Near& foot, Index triangle) const;
-  void touch(std::size_t segment, const Near& near, const Vec3& normal,
-             std::vector<Touch>& out) const;
+  /// The closest points of the surface around a point, one for each side that it faces.
+  void sides_of(std::size_t segment, Real u, std::vector<Near>& out) const;
+  void touch(std::size_t segment, const Near& near, std::vector<Touch>& out) const;
 
   const SegmentedCurve& curve_;
   MovingSurface surface_;
   ToolWay way_;  ///< of a tool
   const Passage* passage_;
   MovingCurve seen_;
-  std::vector<Passage::Stretch> held_;         ///< in the channel
-  std::vector<Passage::Stretch> inside_;       ///< and what is not yet clear of it
-  std::vector<Passage::Stretch> handed_over_;  ///< of that, what is beyond the mouths
-  std::vector<Index> around_;                  ///< triangles that a segment may meet
-  std::vector<Near> feet_, sides_;             ///< of a point of the curve
-  Real overlap_at_start_ = 0;                  ///< away from the mouths (m)
+  std::vector<Passage::Stretch> held_;    ///< in the channel
+  std::vector<Passage::Stretch> inside_;  ///< and what is not yet clear of it
+  std::vector<Index> around_;             ///< triangles that a segment may meet
+  std::vector<Near> sides_;
 };
 
 }  // namespace sutura::contact
