@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace sutura {
 
 namespace {
 
-// Rows that repeat each other (redundant_rows.h): sweeps after which they are softened, how often
-// what gave way is taken back, and what need not be (m).
-constexpr Index patience = 5;
+// Rows that repeat each other (redundant_rows.h): sweeps after which they are softened, also where
+// linear rows are eliminated, how often what gave way is taken back, and what need not be (m).
+constexpr Index patience = 5, patience_with_others = 3, never = std::numeric_limits<Index>::max();
 constexpr int most_taken_back = 3;
 constexpr Real negligible = 1e-12;
 // A pass, whose events are held, is not the last word: it need not be solved to less than so many
@@ -19,6 +20,9 @@ constexpr Real coarser = 1e3;
 // Pauses between direct steps that do not get ahead, in sweeps: after which of them the slower walk
 // is tried too, and the longest. What is not solved then was never found by going on.
 constexpr Index walk_after = 4, longest_pause = 64;
+// Sweeps for what is left beside linear rows. And how often what rounding leaves is solved again.
+constexpr Index most_for_others = 30;
+constexpr int most_refined = 3;
 
 }  // namespace
 
@@ -97,23 +101,37 @@ SolveReport BlockGaussSeidel::solve(ConstraintProblem& problem) {
   if (problem.blocks.empty()) return {};
   goal_ = 0;  // not known yet
   SolveReport first;
-  if (options_.acceleration == Acceleration::subspace && linear_.find(problem) &&
-      !is_solved(problem) && linear_.eliminate(problem, others_)) {
-    others_.hold_events = true;
-    compliance_.keep(linear_.others());
-    first = iterate(others_, std::min(patience, options_.sweeps), false);
-    // What is not solved so is solved as a whole, from where it began.
-    if (first.converged)
-      linear_.put_back(others_, problem);
-    else
-      linear_.give_up(problem);
-  }
+  const bool is_done = options_.acceleration == Acceleration::subspace && linear_.find(problem) &&
+                       !is_solved(problem) && linear_.eliminate(problem, others_) &&
+                       solve_others(problem, first);
   compliance_.prepare(problem);
-  SolveReport report = iterate(problem, options_.sweeps, true);
+  SolveReport report = iterate(problem, is_done ? 0 : options_.sweeps, patience);
   report.sweeps += first.sweeps;
   report.direct_solves += first.direct_solves;
   report.factorisations += first.factorisations;
   return report;
+}
+
+bool BlockGaussSeidel::solve_others(ConstraintProblem& problem, SolveReport& report) {
+  // Events are due when all is solved, and rows that contradict each other would be in their way.
+  const Index firm = problem.hold_events ? patience_with_others : never;
+  others_.hold_events = true;
+  for (int refined = 0;; ++refined) {
+    compliance_.keep(linear_.others());
+    const SolveReport now = iterate(others_, std::min(most_for_others, options_.sweeps), firm);
+    report.sweeps += now.sweeps;
+    report.direct_solves += now.direct_solves;
+    report.factorisations += now.factorisations;
+    if (!now.converged && !contradict_) break;
+    linear_.put_back(others_, problem);
+    load(problem);
+    if (contradict_) return true;
+    if (look(problem).value <= goal_) return false;
+    if (refined == most_refined) break;
+    linear_.refine(problem, others_);
+  }
+  linear_.give_up(problem);
+  return false;
 }
 
 Real BlockGaussSeidel::goal_of(const ConstraintProblem& problem, Real before) const {
@@ -191,7 +209,7 @@ void BlockGaussSeidel::step_directly(ConstraintProblem& problem, Real before, Re
   pause_.left = pause_.length;
 }
 
-SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, bool may_soften) {
+SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, Index firm) {
   SolveReport report;
   begin(problem);
   Residual residual = look_anew(problem);
@@ -208,8 +226,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
         continue;
       }
     }
-    if (!converged && !softened && may_soften && report.sweeps >= patience &&
-        redundant_.soften(problem)) {
+    if (!converged && !softened && report.sweeps >= firm && redundant_.soften(problem)) {
       softened = true;
       load(problem);
       if (on_device_) on_device_ = device_->load(problem);
@@ -237,6 +254,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
     step_directly(problem, before, residual, report);
   }
 
+  const bool gave_way_alone = softened && residual.value <= goal_;
   if (softened) {
     // Reported is how far the problem as it was asked is from its laws.
     redundant_.harden(problem);
@@ -246,6 +264,7 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
   report.residual = residual.value;
   report.violation = residual.violation;
   report.converged = residual.value <= goal_;
+  contradict_ = gave_way_alone && !report.converged;
   if (!std::isfinite(residual.value)) {
     problem.lambda.setZero();
     problem.delta = problem.d_free;

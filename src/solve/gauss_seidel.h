@@ -47,8 +47,11 @@ class BlockGaussSeidel {
   Real goal_of(const ConstraintProblem& problem, Real before) const;
   /// By the forces it begins with.
   bool is_solved(ConstraintProblem& problem);
-  /// Sweeps and direct steps until every block obeys its law, or the budget is spent.
-  SolveReport iterate(ConstraintProblem& problem, Index sweeps, bool may_soften);
+  /// Solves `others_`, and puts back all. True if more sweeps would not help.
+  bool solve_others(ConstraintProblem& problem, SolveReport& report);
+  /// Sweeps and direct steps until every block obeys its law, or the budget is spent. After `firm`
+  /// sweeps rows that repeat each other give way.
+  SolveReport iterate(ConstraintProblem& problem, Index sweeps, Index firm);
   void begin(ConstraintProblem& problem);
   void load(ConstraintProblem& problem);
   Residual look(ConstraintProblem& problem);
@@ -78,6 +81,7 @@ class BlockGaussSeidel {
   LinearRows linear_;
   ConstraintProblem others_;  ///< without the rows that are linear
   RedundantRows redundant_;
+  bool contradict_ = false;  ///< rows that repeat each other, and are obeyed as far as they allow
   std::uint64_t random_ = 0;
   std::vector<std::size_t> order_;
   SweepDevice* device_ = nullptr;

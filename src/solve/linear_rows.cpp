@@ -32,7 +32,7 @@ bool LinearRows::find(const ConstraintProblem& problem, bool with_turning) {
   rows_.clear();
   other_rows_.clear();
   turning_.clear();
-  scale_.resize(problem.rows());
+  compliance_.setZero(problem.rows());
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
     const ConstraintBlock& b = problem.blocks[i];
     if (with_turning && std::string_view(b.law->name) == TurningForce::name) {
@@ -42,15 +42,12 @@ bool LinearRows::find(const ConstraintProblem& problem, bool with_turning) {
     const Real compliance = held_compliance(problem, b);
     if (compliance < 0) other_.push_back(i);
     for (Index row = b.first_row; row < b.first_row + b.law->dim; ++row) {
-      if (compliance >= 0) scale_[static_cast<Index>(rows_.size())] = compliance;
+      if (compliance >= 0) compliance_[static_cast<Index>(rows_.size())] = compliance;
       (compliance >= 0 ? rows_ : other_rows_).push_back(row);
     }
   }
   // A force that turns has a positive and a negative pivot, in this order, where all is stable.
-  for (const std::size_t i : turning_) {
-    scale_[static_cast<Index>(rows_.size())] = 0;
-    rows_.push_back(problem.blocks[i].first_row);
-  }
+  for (const std::size_t i : turning_) rows_.push_back(problem.blocks[i].first_row);
   positive_ = static_cast<Index>(rows_.size());
   for (const std::size_t i : turning_) rows_.push_back(problem.blocks[i].first_row + 1);
   held_ = static_cast<Index>(rows_.size());
@@ -71,16 +68,20 @@ void LinearRows::gather(const ConstraintProblem& problem) {
     for (Index i = j; i < n; ++i) matrix_(i, j) = problem.W(row(i), row(j));
     matrix_(n, j) = problem.d_free[row(j)];
   }
+  coupling_.resize(held_ - positive_);
   for (Index row = positive_; row < held_; ++row) {
     const ConstraintBlock& b = problem.blocks[turning_[static_cast<std::size_t>(row - positive_)]];
     const BlockMatrix<2> compliance = TurningForce::compliance(
         *static_cast<const TurningForce::Params*>(problem.block_params(b)));
-    scale_[row] = compliance(1, 0);
+    coupling_[row - positive_] = compliance(1, 0);
+    compliance_[row] = compliance(1, 1);
     matrix_(row, row - (held_ - positive_)) += compliance(1, 0);
     matrix_(row, row) += compliance(1, 1);
   }
+  scale_.resize(held_);
   for (Index j = 0; j < held_; ++j) {
-    scale_[j] = 1 / std::sqrt(std::abs(matrix_(j, j)) + scale_[j]);
+    const Real more = j < positive_ ? compliance_[j] : coupling_[j - positive_];
+    scale_[j] = 1 / std::sqrt(std::abs(matrix_(j, j)) + more);
     matrix_(j, j) = j < positive_ ? 1 : matrix_(j, j) * scale_[j] * scale_[j];
     matrix_.col(j).tail(n - j) *= scale_[j];
     matrix_.row(j).head(j) *= scale_[j];
@@ -116,7 +117,7 @@ bool LinearRows::factorise() {
 bool LinearRows::eliminate(ConstraintProblem& problem, ConstraintProblem& others) {
   const auto succeeds = [&] {
     gather(problem);
-    return scale_.head(held_).allFinite() && factorise();
+    return scale_.allFinite() && factorise();
   };
   if (!succeeds()) {
     if (turning_.empty()) return false;
@@ -143,6 +144,7 @@ bool LinearRows::eliminate(ConstraintProblem& problem, ConstraintProblem& others
   others.W.resize(o, o);
   others.W.triangularView<Eigen::Lower>() = matrix_.block(held_, held_, o, o);
   others.W.triangularView<Eigen::StrictlyUpper>() = others.W.transpose();
+  before_.setZero(held_);
   return true;
 }
 
@@ -156,10 +158,33 @@ void LinearRows::put_back(const ConstraintProblem& others, ConstraintProblem& pr
       .triangularView<Eigen::Lower>()
       .transpose()
       .solveInPlace(force_);
-  force_.array() *= -scale_.head(held_).array();
+  force_.array() *= -scale_.array();
   for (Index i = 0; i < held_ + o; ++i)
     problem.lambda[rows_[static_cast<std::size_t>(i)]] =
-        i < held_ ? force_[i] : others.lambda[i - held_];
+        i < held_ ? before_[i] + force_[i] : others.lambda[i - held_];
+}
+
+/// What held rows leave is delta + C lambda. It takes the place of d_h, and delta that of d_o.
+void LinearRows::refine(const ConstraintProblem& problem, ConstraintProblem& others) {
+  const Index o = others.lambda.size(), turning = held_ - positive_;
+  const auto row = [this](Index i) { return rows_[static_cast<std::size_t>(i)]; };
+  for (Index i = 0; i < held_; ++i) {
+    before_[i] = problem.lambda[row(i)];
+    force_[i] = problem.delta[row(i)] + compliance_[i] * before_[i];
+  }
+  for (Index i = positive_; i < held_; ++i) {
+    force_[i] += coupling_[i - positive_] * before_[i - turning];
+    force_[i - turning] += coupling_[i - positive_] * before_[i];
+  }
+  force_.array() *= scale_.array();
+  matrix_.topLeftCorner(held_, held_).triangularView<Eigen::Lower>().solveInPlace(force_);
+  const auto below = matrix_.block(held_, 0, o, held_);
+  for (Index i = 0; i < o; ++i) others.d_free[i] = problem.delta[row(held_ + i)];
+  others.d_free.noalias() -= below * force_;
+  others.d_free.noalias() -= others.W * others.lambda;
+  force_.tail(turning) *= -1;
+  force_.noalias() -= below.transpose() * others.lambda;
+  matrix_.row(held_ + o).head(held_) = force_.transpose();
 }
 
 }  // namespace sutura

@@ -28,6 +28,9 @@ class LinearRows {
   void give_up(ConstraintProblem& problem) const { set_mode(problem, TurningForce::spring); }
   /// Forces and modes of all rows from those of the others.
   void put_back(const ConstraintProblem& others, ConstraintProblem& problem);
+  /// After `put_back`, and with the delta of its forces: `others` <- what rounding has left to
+  /// solve (iterative refinement).
+  void refine(const ConstraintProblem& problem, ConstraintProblem& others);
 
  private:
   bool find(const ConstraintProblem& problem, bool with_turning);
@@ -41,10 +44,11 @@ class LinearRows {
   Index held_ = 0;                        ///< how many rows are eliminated
   Index positive_ = 0;                    ///< the first of them, which have positive pivots
   GrowingVec scale_;                      ///< S, of the held rows: to a unit diagonal
+  GrowingVec compliance_, coupling_;      ///< C: its diagonal, and beside it where forces turn
   /// [L, .; W_oh S L^-T J, W'; (J L^-1 S d_h)^T, d'^T] with L J L^T = S (W_hh + C) S; J is 1 for
   /// positive pivots, else -1.
   GrowingMat matrix_;
-  GrowingVec force_;
+  GrowingVec force_, before_;  ///< of the held rows: what to add, and to what
 };
 
 }  // namespace sutura

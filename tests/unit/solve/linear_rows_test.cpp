@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "solve/gauss_seidel.h"
 #include "solve_problems.h"
 #include "sutura/laws/coulomb.h"
 #include "sutura/laws/turning_force.h"
@@ -149,6 +150,68 @@ TEST(LinearRows, ForcesThatTurnAreEliminatedWhereAllIsStable) {
   }
   EXPECT_GT(stable, 50);
   EXPECT_GT(unstable, 50);
+}
+
+/// Forces that turn along rows that are held. They have next to no W of their own: their pivots are
+/// small, what these take from later ones is large, and elimination loses digits.
+ConstraintProblem turning_along_held_rows(std::mt19937_64& random) {
+  constexpr Index held = 60, turning = 10, other = 6, n = held + 2 * turning + other;
+  ConstraintProblem p;
+  for (Index i = 0; i < held; ++i) append<Bilateral<1>>(p, {});
+  for (Index i = 0; i < turning; ++i) append<TurningForce>(p, {.stiffness = 0.1, .coupling = 0.1});
+  for (Index i = 0; i < other; ++i) append<Unilateral>(p, {});
+  MatX H = random_matrix(n, n, random);
+  for (Index i = 0; i < turning; ++i) {
+    auto row = H.row(held + 2 * i);
+    row = 1e-5 * row + H.row(i);
+  }
+  finish(p, 1e-3 * H * H.transpose(), 1e-4 * random_matrix(n, 1, random));
+  return p;
+}
+
+/// Solved again for what is left, the digits are back.
+TEST(LinearRows, WhatRoundingLeavesIsSolvedAgain) {
+  std::mt19937_64 random(3);
+  for (int draw = 0; draw < 20; ++draw) {
+    ConstraintProblem p = turning_along_held_rows(random), others;
+    LinearRows rows;
+    ASSERT_TRUE(rows.find(p) && rows.eliminate(p, others));
+    ASSERT_EQ(p.blocks[60].mode, TurningForce::whole);
+    const auto left = [&] {  // of the law residual, by held rows and those that turn
+      Compliance compliance;
+      GrowingVec plus;
+      std::vector<Real> residual;
+      compliance.prepare(p);
+      compliance.update_delta(p);
+      natural_map(p, compliance, plus, &residual);
+      return *std::max_element(residual.begin(), residual.end() - others.rows());
+    };
+    const auto solve_others = [&] { others.lambda = 1e-3 * random_matrix(6, 1, random); };
+    solve_others();
+    rows.put_back(others, p);
+    EXPECT_GT(left(), 1e-7) << "it is too easy";
+    rows.refine(p, others);
+    solve_others();
+    rows.put_back(others, p);
+    // Rounding, times what W loses where ten rows of it say nearly the same as ten others.
+    EXPECT_LT(left(), 1e-9);
+    const VecX delta = p.W * p.lambda + p.d_free, rest = others.W * others.lambda + others.d_free;
+    EXPECT_LT((delta.tail(6) - rest).norm(), 1e-6 * rest.norm());
+  }
+}
+
+/// No sweep finds forces that turn, so what rounding has left of them must not be left to sweeps:
+/// they ran away to 1e40 N.
+TEST(LinearRows, TheSolverSolvesAgainWhatRoundingLeaves) {
+  std::mt19937_64 random(4);
+  for (int draw = 0; draw < 20; ++draw) {
+    ConstraintProblem p = turning_along_held_rows(random);
+    const SolveReport report = BlockGaussSeidel({.tolerance = 1e-9}).solve(p);
+    EXPECT_TRUE(report.converged) << report.residual;
+    EXPECT_LE(report.sweeps, 5);
+    EXPECT_EQ(p.blocks[60].mode, TurningForce::whole);
+    EXPECT_LT(p.lambda.lpNorm<Eigen::Infinity>(), 1);  // N
+  }
 }
 
 /// Nothing else may be left to solve: they are eliminated all the same, as no sweep finds them.

@@ -8,6 +8,7 @@
 
 #include "solve/gauss_seidel.h"
 #include "solve_problems.h"
+#include "sutura/laws/bilateral.h"
 #include "sutura/laws/coulomb.h"
 
 using namespace sutura;
@@ -16,19 +17,23 @@ using namespace sutura::test;
 namespace {
 
 /// `touches` places with friction on a body of few freedoms: W = H H^T has their number for rank.
-ConstraintProblem many_touches(int touches, int freedoms, Real mu, unsigned seed) {
+/// And two rows that are held, if asked for.
+ConstraintProblem many_touches(int touches, int freedoms, Real mu, unsigned seed,
+                               bool are_held = false) {
   std::mt19937 random(seed);
   std::normal_distribution<Real> normal;
-  const MatX H = MatX::NullaryExpr(3 * touches, freedoms, [&] { return normal(random); });
+  const int rows = 3 * touches + (are_held ? 2 : 0);
+  const MatX H = MatX::NullaryExpr(rows, freedoms, [&] { return normal(random); });
   const VecX push = VecX::NullaryExpr(freedoms, [&] { return normal(random); });
   ConstraintProblem p;
   ConstraintBuilder builder(p, {});
   for (int i = 0; i < touches; ++i)
     builder.mark_redundant(builder.add<Coulomb>({static_cast<std::uint64_t>(i)}, {mu, 0},
                                                 BlockVector<3>(BlockVector<3>::Zero())));
+  if (are_held) builder.add<Bilateral<2>>({1000}, {}, BlockVector<2>(BlockVector<2>::Zero()));
   builder.finish();
   // A motion that the touches can undo: gaps of what some forces inside their cones would give.
-  VecX inside = VecX::Zero(3 * touches);
+  VecX inside = VecX::Zero(rows);
   for (int i = 0; i < touches; ++i) inside[3 * i] = 0.1 + std::abs(normal(random));
   p.W = 1e-4 * H * H.transpose();  // m/N
   p.d_free = 1e-4 * H * push - p.W * inside;
@@ -99,6 +104,26 @@ TEST(RedundantRows, TheSolverLeavesTheProblemAsItWas) {
     EXPECT_NEAR(report.violation, missed(original, p.lambda), 1e-15);
     EXPECT_LE(report.violation, 1e-8);
   }
+}
+
+// No motion opens all touches. They are obeyed as well as they can be, and then nothing more is
+// tried, whether or not there are held rows, without which it is solved first.
+TEST(RedundantRows, WhatContradictsItselfIsNotTriedForLong) {
+  for (unsigned seed = 0; seed < 10; ++seed)
+    for (const bool are_held : {false, true}) {
+      constexpr Real overlap = 1e-6;  // m
+      ConstraintProblem p = many_touches(40, 12, 0.1, seed, are_held);
+      for (int i = 0; i < 40; ++i) p.d_free[3 * i] -= overlap;
+      p.hold_events = true;
+      const SolveReport report = BlockGaussSeidel().solve(p);
+      EXPECT_FALSE(report.converged);
+      // Three sweeps or five, then one solve and three times what it let go; else it would be two
+      // hundred direct steps and more.
+      EXPECT_LE(report.sweeps, 25) << seed << " " << are_held;
+      EXPECT_LE(report.direct_solves, 150) << seed << " " << are_held;
+      EXPECT_GT(report.violation, overlap / 10);
+      EXPECT_LT(report.violation, 3 * overlap);
+    }
 }
 
 }  // namespace
