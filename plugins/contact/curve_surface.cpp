@@ -13,15 +13,24 @@ constexpr Real clearance = 0.5;      // a centreline may come as near to the sur
 constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
 constexpr Real dip = 1e-4;           // what a curve may be nearer than at its touches beside
 constexpr Real mouth = 3;            // around the mouth of a channel, the channel holds the curve
-constexpr Real clear = 0.75;         // of the surface: as much may overlap where a touch begins
+constexpr Real clear = 0.75;         // of the surface: what is nearer overlaps
+constexpr Real stuck = 0.05;         // nearer than that it crosses the surface
+constexpr Real taken_back = 0.05;    // of an overlap at the start, in a step
 constexpr Real sunk = 1;             // deeper in the surface than at any mouth
 constexpr Real point = 6;  // so long is a needle's point, which presses by a law of its own
+// In units of the distance at the start.
+constexpr Real no_nearer = 0.9;
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
 constexpr int most_handed_over = 3;  // segments beyond the mouth
 constexpr int parts = 2;             // chords of a segment
-constexpr Real other_side = 0.9;     // sides whose normals are closer than this (cosine) are one
+constexpr Real on_border = 1e-9;     // a foot of no more weight at a node is on the opposite edge
+
+/// Is the point of the curve on the outer side of the triangle?
+bool is_over(const Vec3& apart, const Corners& c) {
+  return apart.dot((c[1] - c[0]).cross(c[2] - c[0])) > 0;
+}
 
 }  // namespace
 
@@ -57,8 +66,7 @@ bool CurveSurface::began_nearer(std::size_t i, Real part) const {
 }
 
 /// What has just come out of a channel may still be in the surface. It stays with the channel until
-/// it is clear: a touch would throw it out. And what is nearer than any touch lets it come cannot
-/// have come from outside: its way would be barred from the start.
+/// it is clear: its way would be barred from the start, and a touch would throw it out.
 void CurveSurface::hand_over(Passage::Stretch& stretch) {
   const std::size_t n = seen_.size();
   std::size_t first = 0, last = n;
@@ -149,6 +157,7 @@ CurveSurface::Near CurveSurface::closest_to(const CurveSegment& s, Real u, Index
 void CurveSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   look(false);
   begin_look();
+  overlap_at_start_ = 0;
   for (std::size_t i = 0; i < seen_.size(); ++i) meet(i, before, out);
 }
 
@@ -172,7 +181,14 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   for (const Index t : around_) {
     const Real motion = own_motion + surface_.motion(t, common);
     const auto at = [&](Real now) { return closest(seen_.at(i, now), t, surface_.at(t, now)); };
-    const Real way = way_through(motion, clearance * r, [&](Real now) { return at(now).distance; });
+    // What begins nearer than it may come may go wherever it comes no nearer: barred from the start
+    // it would hold up the whole scene, at every step to come. While it overlaps it is a fault.
+    const Real start = at(0).distance;
+    if (start < clear * r) overlap_at_start_ = std::max(overlap_at_start_, r - start);
+    if (start < stuck * r) continue;
+    const Real least = std::min(clearance * r, no_nearer * start);
+    const Real way =
+        way_through(motion, least, [&](Real now) { return now > 0 ? at(now).distance : start; });
     if (way < free) free = way, met = at(way);
   }
   if (free < 1) {
@@ -212,27 +228,42 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
     const Near at = closest(s, t, surface_.now(t));
     if (at.distance < lowest.distance && at.u > at_node && at.u < 1 - at_node) lowest = at;
   }
+  // What is nearer than it may come sticks in the surface, or is on its way through from inside.
+  if (lowest.distance < clearance * r) return;
   if (lowest.triangle >= 0) touch(i, lowest, out);
 }
 
-void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) const {
-  out.clear();
+/// A foot on an edge or at a node, of which another triangle there is nearer, is none. So a side
+/// comes and goes only where its foot leaves its triangle, however the angle between two changes.
+/// Nor is one on the far side of something thin.
+void CurveSurface::sides_of(std::size_t i, Real u, std::vector<Near>& out) {
   const CurveSegment& s = seen_.now[i];
   const Real reach = (1 + margin) * s.radius;
-  while (true) {
-    Near best;
-    best.distance = reach;
-    for (const Index t : around_) {
-      const Near at = closest_to(s, u, t, surface_.now(t));
-      if (!(at.distance < best.distance) || !(at.distance > 0)) continue;
-      bool is_new = true;
-      for (const Near& side : out)
-        is_new = is_new && at.apart.dot(side.apart) < other_side * at.distance * side.distance;
-      if (is_new) best = at;
-    }
-    if (best.triangle < 0 || out.size() == 3) return;
-    out.push_back(best);
+  feet_.clear();
+  for (const Index t : around_)
+    if (const Near at = closest_to(s, u, t, surface_.now(t)); at.distance > 0) feet_.push_back(at);
+  std::sort(feet_.begin(), feet_.end(), [](const Near& a, const Near& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
+  });
+  out.clear();
+  for (auto foot = feet_.begin(); foot != feet_.end() && foot->distance < reach; ++foot) {
+    const auto carries = [&](const Near& other) { return is_on(*foot, other.triangle); };
+    const auto faces = [&](const Near& other) {
+      return carries(other) && is_over(foot->apart, surface_.now(other.triangle));
+    };
+    if (std::none_of(feet_.begin(), foot, carries) && std::any_of(foot, feet_.end(), faces))
+      out.push_back(*foot);
   }
+}
+
+/// Is the foot a point of this triangle too?
+bool CurveSurface::is_on(const Near& foot, Index triangle) const {
+  const auto &own = surface_.nodes(foot.triangle), &nodes = surface_.nodes(triangle);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (foot.weights[static_cast<Index>(k)] > on_border &&
+        std::find(nodes.begin(), nodes.end(), own[k]) == nodes.end())
+      return false;
+  return true;
 }
 
 void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out) const {
@@ -252,6 +283,11 @@ void CurveSurface::touch(std::size_t i, const Near& at, std::vector<Touch>& out)
   t.first_arm = -std::max(height, clearance * s.radius) * t.normal;
   t.at = s.point(at.u) + t.first_arm;
   t.gap = height - s.radius;
+  // Taken back at once, a deep overlap would throw the curve about.
+  if (t.gap < -taken_back * s.radius) {
+    const Near start = closest_to(seen_.start[i], at.u, at.triangle, surface_.at(at.triangle, 0));
+    t.left = std::max(Real(0), (1 - taken_back) * s.radius - start.distance);
+  }
 }
 
 Real CurveSurface::built_from(const Touch& t) const {
@@ -276,17 +312,17 @@ Pair::Tolerance CurveSurface::tolerance(const Touch& t) const {
   return {seen_.segment_at(t.first_place).length() / 4, 1};
 }
 
-/// What has come out of its channel and gone into the tissue beside it: surfaces are not met from
-/// inside.
+/// What touches have not held apart, and what has come out of its channel and gone into the tissue
+/// beside it: surfaces are not met from inside.
 Real CurveSurface::unseen_overlap() {
-  if (passage_ == nullptr) return 0;
+  if (passage_ == nullptr) return overlap_at_start_;
   const auto is_held = [&](const CurveSegment& s) {
     return std::any_of(held_.begin(), held_.end(), [&](const Passage::Stretch& h) {
       const Real more = mouth * s.radius;
       return s.from < h.high + more && s.to > h.low - more;
     });
   };
-  Real deepest = 0;
+  Real deepest = overlap_at_start_;
   for (const CurveSegment& s : seen_.now) {
     if (s.cut || is_held(s)) continue;
     for (const Vec3& p : {s.xa, s.xb}) {

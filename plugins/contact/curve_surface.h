@@ -23,6 +23,7 @@ class CurveSurface : public Pair {
     surface_.boundary()->tell_force(-force, touch.at);
   }
   Real unseen_overlap() override;
+  bool sees_left_overlap() const override { return true; }
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -48,8 +49,10 @@ class CurveSurface : public Pair {
   void meet(std::size_t segment, const TouchedPlaces& before, std::vector<Touch>& out);
   Near closest(const CurveSegment& s, Index triangle, const Corners& at) const;
   static Near closest_to(const CurveSegment& s, Real u, Index triangle, const Corners& at);
-  /// The closest points of the surface around a point, one for each side that it faces.
-  void sides_of(std::size_t segment, Real u, std::vector<Near>& out) const;
+  /// The points of the surface around a point that are closest to it among their neighbours, one
+  /// for each side that it faces.
+  void sides_of(std::size_t segment, Real u, std::vector<Near>& out);
+  bool is_on(const Near& foot, Index triangle) const;
   void touch(std::size_t segment, const Near& near, std::vector<Touch>& out) const;
 
   const SegmentedCurve& curve_;
@@ -60,7 +63,8 @@ class CurveSurface : public Pair {
   std::vector<Passage::Stretch> held_;    ///< in the channel
   std::vector<Passage::Stretch> inside_;  ///< and what is not yet clear of it
   std::vector<Index> around_;             ///< triangles that a segment may meet
-  std::vector<Near> sides_;
+  std::vector<Near> feet_, sides_;        ///< of a point of the curve
+  Real overlap_at_start_ = 0;             ///< away from the mouths (m)
 };
 
 }  // namespace sutura::contact

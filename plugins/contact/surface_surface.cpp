@@ -114,13 +114,11 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
                       reach,
                       around};
   near.look(search.nodes, search.faces, around);
-  for (std::size_t place = 0; place < search.nodes.surface_nodes().size(); ++place) {
-    Touch touch;
-    if (meet(search, place, touch)) out.push_back(touch);
-  }
+  for (std::size_t place = 0; place < search.nodes.surface_nodes().size(); ++place)
+    meet_node(search, place, out);
 }
 
-bool SurfaceSurface::meet(const Search& search, std::size_t place, Touch& touch) {
+void SurfaceSurface::meet_node(const Search& search, std::size_t place, std::vector<Touch>& out) {
   const MovingSurface &nodes = search.nodes, &faces = search.faces;
   const MovingSurface::SurfaceNode& n = nodes.surface_nodes()[place];
   Seeker seeker{nodes.point(n.node), search.node_normals.of_node(n.node).normalized(),
@@ -142,25 +140,52 @@ bool SurfaceSurface::meet(const Search& search, std::size_t place, Touch& touch)
     }
     if (first.free == 1 && is_facing) add_near(search, t, seeker);
   }
-  if (first.free == 1 && near_.empty()) return false;
-  if (is_self_ && ends_a_cut(search, n)) return false;
+  if (first.free == 1 && near_.empty()) return;
+  if (is_self_ && ends_a_cut(search, n)) return;
   free_way_ = std::min(free_way_, first.free);
   if (first.free == 1) best = nearest();
 
-  const Corners c = faces.now(best.triangle);
-  const Vec3& normal = search.face_normals.now(best.triangle);
-  touch.triangle = best.triangle;
-  touch.weights = best.weights;
-  touch.normal = search.nodes_are_second ? Vec3(-normal) : normal;
-  touch.along = touch.normal.unitOrthogonal();
-  touch.at = best.weights[0] * c[0] + best.weights[1] * c[1] + best.weights[2] * c[2];
-  touch.gap = normal.dot(seeker.at - touch.at);
-  touch.node = n.node;
-  touch.node_triangle = n.triangle;
-  touch.node_weights = n.weights;
-  touch.nodes_are_second = search.nodes_are_second;
-  touch.first_place = static_cast<Real>(search.nodes_are_second ? -1 - n.node : n.node);
-  return true;
+  touch(search, n, seeker.at, best, out);
+  if (first.free < 1) return;
+  for (const Near& on : near_)
+    if (make_valley(search, best.triangle, on.triangle)) touch(search, n, seeker.at, on, out);
+}
+
+void SurfaceSurface::touch(const Search& search, const MovingSurface::SurfaceNode& n,
+                           const Vec3& at, const Near& on, std::vector<Touch>& out) {
+  const Corners c = search.faces.now(on.triangle);
+  const Vec3& normal = search.face_normals.now(on.triangle);
+  Touch& t = out.emplace_back();
+  t.triangle = on.triangle;
+  t.weights = on.weights;
+  t.normal = search.nodes_are_second ? Vec3(-normal) : normal;
+  t.along = t.normal.unitOrthogonal();
+  t.at = on.weights[0] * c[0] + on.weights[1] * c[1] + on.weights[2] * c[2];
+  t.gap = normal.dot(at - t.at);
+  t.node = n.node;
+  t.node_triangle = n.triangle;
+  t.node_weights = n.weights;
+  t.nodes_are_second = search.nodes_are_second;
+  t.first_place = static_cast<Real>(search.nodes_are_second ? -1 - n.node : n.node);
+  t.second_place = static_cast<Real>(on.triangle);
+}
+
+/// Is each of two triangles in front of the other? Then a node between them is held by both: the
+/// nearer one alone would lead it into the other, and that one back, from pass to pass.
+bool SurfaceSurface::make_valley(const Search& search, Index one, Index other) const {
+  const Real flat = rounding * edge_length();
+  const auto is_in_front = [&](Index triangle, Index of) {
+    const Vec3& normal = search.face_normals.now(of);
+    const Vec3 on = search.faces.now(of)[0];
+    Real highest = 0;
+    for (const Vec3& corner : search.faces.now(triangle)) {
+      const Real height = normal.dot(corner - on);
+      if (height < -flat) return false;
+      highest = std::max(highest, height);
+    }
+    return highest > flat;
+  };
+  return one != other && is_in_front(one, other) && is_in_front(other, one);
 }
 
 /// Where nodes of the first, which lie on the tool, say that the two touch.
@@ -274,7 +299,8 @@ void SurfaceSurface::drop_doubles(std::vector<Touch>& out) {
   };
   met_.assign(normals_first_.nodes(), -1);
   for (const Touch& t : out)
-    if (!t.nodes_are_second) met_[static_cast<std::size_t>(t.node)] = meets(t);
+    if (const Index other = meets(t); !t.nodes_are_second && other >= 0)
+      met_[static_cast<std::size_t>(t.node)] = other;
   std::erase_if(out, [&](const Touch& t) {
     const Index other = meets(t);
     if (other < 0 || (is_self_ ? other > t.node : !t.nodes_are_second)) return false;

@@ -64,8 +64,7 @@ class SurfaceSurface : public Pair {
     std::optional<bool> is_inside;  ///< the body of the triangles, as far as that was asked
   };
   void meet(bool nodes_are_second, Real reach, std::vector<Touch>& out);
-  /// False if the node touches nothing.
-  bool meet(const Search& search, std::size_t place, Touch& touch);
+  void meet_node(const Search& search, std::size_t place, std::vector<Touch>& out);
   bool is_said_already(const Search& search, Index triangle) const;
   static bool ends_a_cut(const Search& search, const MovingSurface::SurfaceNode& n);
   static Real turned_away(const Search& search, const MovingSurface::SurfaceNode& n,
@@ -104,6 +103,9 @@ class SurfaceSurface : public Pair {
   /// To those of the node, if this one is.
   void add_near(const Search& search, Index triangle, Seeker& seeker);
   Near nearest() const;
+  bool make_valley(const Search& search, Index one, Index other) const;
+  static void touch(const Search& search, const MovingSurface::SurfaceNode& node, const Vec3& at,
+                    const Near& on, std::vector<Touch>& out);
   std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
   ToolWay way_;  ///< of the second, if it is a tool

@@ -226,7 +226,8 @@ SolveReport BlockGaussSeidel::iterate(ConstraintProblem& problem, Index sweeps, 
         continue;
       }
     }
-    if (!converged && !softened && report.sweeps >= firm && redundant_.soften(problem)) {
+    if (!converged && !softened && report.sweeps >= firm &&
+        redundant_.soften(problem, compliance_)) {
       softened = true;
       load(problem);
       if (on_device_) on_device_ = device_->load(problem);

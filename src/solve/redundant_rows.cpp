@@ -5,7 +5,7 @@
 
 namespace sutura {
 
-bool RedundantRows::soften(ConstraintProblem& problem) {
+bool RedundantRows::soften(ConstraintProblem& problem, const Compliance& compliance) {
   // Measured on overhand knots (docs/theory/solver.md): from 1e-4 on every problem is solved in a
   // few sweeps; above 1e-3 passes begin to feel it.
   constexpr Real share = 2e-4;
@@ -14,12 +14,13 @@ bool RedundantRows::soften(ConstraintProblem& problem) {
   before_.setZero(problem.rows());
   give_.setZero(problem.rows());
   bool any = false;
-  for (const ConstraintBlock& b : problem.blocks) {
+  for (std::size_t block = 0; block < problem.blocks.size(); ++block) {
+    const ConstraintBlock& b = problem.blocks[block];
     if (!b.redundant) continue;
     any = true;
+    const int dim = b.law->dim;
     Real own = 0;
-    for (Index i = b.first_row; i < b.first_row + b.law->dim; ++i)
-      own = std::max(own, problem.W(i, i));
+    for (int k = 0; k < dim; ++k) own = std::max(own, compliance[block][k + k * dim]);
     for (Index i = b.first_row; i < b.first_row + b.law->dim; ++i) {
       give_[i] = share * own;
       problem.W(i, i) += give_[i];

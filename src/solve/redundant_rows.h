@@ -13,14 +13,16 @@
 // Rockafellar, SIAM J. Control Optim. 14, 1976).
 #pragma once
 
+#include "solve/compliance.h"
 #include "sutura/constraints.h"
 
 namespace sutura {
 
 class RedundantRows {
  public:
-  /// Adds R to W, for a solve that begins at the present lambda. False if no block is redundant.
-  bool soften(ConstraintProblem& problem);
+  /// Adds R to W, for a solve that begins at the present lambda. `compliance`: own W of the blocks.
+  /// False if no block is redundant.
+  bool soften(ConstraintProblem& problem, const Compliance& compliance);
   /// After a solve: the present lambda is the one before now. Returns the largest length by which a
   /// row had given way (m).
   Real take_back(ConstraintProblem& problem);

@@ -15,7 +15,7 @@ using testing::TextRun;
 
 /// 10 x 30 mm, as OBJ.
 std::string gutter_file(Real slope) {
-  const std::string file = SUTURA_BINARY_DIR "/valley.obj";
+  const std::string file = SUTURA_BINARY_DIR "/valley_" + std::to_string(slope) + ".obj";
   std::ofstream out(file);
   const Real high = 5 * std::tan(slope);
   for (const int y : {-15, 15}) {

@@ -243,27 +243,32 @@ TEST(Overhand, BetweenForcepsAtRestItKeepsItsPull) {
 // beside its hands; where it stayed in space, its touches slipped whenever it was carried, at 20
 // mm/s as at 200: 4 % of the pull were lost here at 5 ms, and up to 14 % in other knots.
 TEST(Overhand, CarriedItPullsAsAtRest) {
+  // Which touches carry is decided anew by rounding, as the thread is elsewhere: of 12 pairs, drawn
+  // by up to 0.3 mm more or less, single ones lost 0.05 to 1.5 %, all of them 1.0 % on average.
+  const char* drawn_by[] = {"14.06", "14.16", "13.96"};
   for (const char* dt : {"5 ms", "20 ms"}) {
-    Real pull[2];
-    for (const bool carried : {false, true}) {
-      const std::string drawn = "14.06 -6.346 -10.057 ";
-      const std::string far = carried ? "114.06 -6.346 -10.057" : drawn;
-      TextRun run = TextRun::file(
-          "knots/overhand.xml",
-          {{".dt", dt},
-           {"/contact.friction", "0.1"},
-           {"/way.easing", "smooth"},
-           {"/way.times", "0 0.6 0.7 1.7 s"},
-           {"/way.positions", "0 0 0 " + drawn + drawn + far + " mm"},
-           {"/still.easing", "smooth"},
-           {"/still.times", "0 0.7 1.7 s"},
-           {"/still.positions", carried ? "0 0 0  0 0 0  100 0 0 mm" : "0 0 0  0 0 0  0 0 0"}});
-      run.run(1.9);
-      pull[carried] = run.vector("/left", "force").norm();
+    Real lost = 0;
+    for (const std::string x : drawn_by) {
+      Real pull[2];
+      for (const bool carried : {false, true}) {
+        const std::string across = " -6.346 -10.057 ", drawn = x + across;
+        const std::string far = carried ? "1" + x + across : drawn;
+        TextRun run = TextRun::file(
+            "knots/overhand.xml",
+            {{".dt", dt},
+             {"/contact.friction", "0.1"},
+             {"/way.easing", "smooth"},
+             {"/way.times", "0 0.6 0.7 1.7 s"},
+             {"/way.positions", "0 0 0 " + drawn + drawn + far + " mm"},
+             {"/still.easing", "smooth"},
+             {"/still.times", "0 0.7 1.7 s"},
+             {"/still.positions", carried ? "0 0 0  0 0 0  100 0 0 mm" : "0 0 0  0 0 0  0 0 0"}});
+        run.run(1.9);
+        pull[carried] = run.vector("/left", "force").norm();
+      }
+      lost += (1 - pull[1] / pull[0]) / std::size(drawn_by);
     }
-    // Which touches carry is decided anew by rounding, as the thread is elsewhere: 0.6 % in six
-    // such pairs.
-    EXPECT_NEAR(pull[1], pull[0], 0.015 * pull[0]) << dt;
+    EXPECT_NEAR(lost, 0, 0.015) << dt;
   }
 }
 
