@@ -201,7 +201,7 @@ TEST(LinearRows, WhatRoundingLeavesIsSolvedAgain) {
 }
 
 /// No sweep finds forces that turn, so what rounding has left of them must not be left to sweeps:
-/// they ran away to 1e40 N.
+/// they ran away to residuals of 1e123.
 TEST(LinearRows, TheSolverSolvesAgainWhatRoundingLeaves) {
   std::mt19937_64 random(4);
   for (int draw = 0; draw < 20; ++draw) {

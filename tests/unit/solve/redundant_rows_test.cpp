@@ -123,11 +123,11 @@ TEST(RedundantRows, WhatContradictsItselfIsNotTriedForLong) {
       p.hold_events = true;
       const SolveReport report = BlockGaussSeidel().solve(p);
       EXPECT_FALSE(report.converged);
-      // Three sweeps or five, then one solve and three times what it let go; else it would be two
-      // hundred direct steps and more.
+      // Three sweeps or five, then one solve and three times what it let go: 11 to 17. Tried again
+      // as a whole it takes 27 to 31.
       EXPECT_LE(report.sweeps, 25) << seed << " " << are_held;
       EXPECT_LE(report.direct_solves, 150) << seed << " " << are_held;
-      EXPECT_GT(report.violation, overlap / 10);
+      EXPECT_GT(report.violation, overlap / 10) << "they do not contradict each other";
       EXPECT_LT(report.violation, 3 * overlap);
     }
 }
