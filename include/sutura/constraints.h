@@ -101,12 +101,14 @@ class ConstraintBuilder {
   ConstraintBuilder(ConstraintProblem& problem, std::vector<const Body*> bodies);
 
   /// Where known keys take lambda and mode from.
-  enum class Warm { step_before, pass_before };
+  enum class Warm { step_before, pass_before, best_guess };
   void begin(Warm warm = Warm::step_before);
   /// Assembles H; warm-starts known keys.
   void finish();
   /// What the problem holds now is the end of a step.
   void accept();
+  /// What the problem holds now is that of the best guess of this step so far.
+  void mark_best_guess();
 
   /// gap: violation at the guess. `mode` is where a block begins whose key was not there before.
   template <Law L>
@@ -129,8 +131,8 @@ class ConstraintBuilder {
     const Index first = problem_.blocks[static_cast<std::size_t>(block.index)].first_row;
     std::copy_n(lambda.data(), N, first_lambda_.begin() + first);
   }
-  /// Force of a row of the block with this key in the pass before, or in the step before (N); 0 if
-  /// there was none. For stiffnesses that grow with it.
+  /// Force of a row of the block with this key where known keys take theirs from (N); 0 if there
+  /// was none. For stiffnesses that grow with it.
   Real known_force(Key key, Index row = 0) const;
   /// Likewise its mode, or `otherwise` if there was none. For what ends where a block has given
   /// way.
@@ -177,7 +179,9 @@ class ConstraintBuilder {
   std::vector<Real> patch_values_;
   std::vector<Index> first_patch_, last_patch_;  // per block
   std::vector<Real> gap_, first_lambda_;
-  Memory step_before_, pass_before_;
+  const Memory& memory() const;
+
+  Memory step_before_, pass_before_, best_guess_;
   Warm warm_ = Warm::step_before;
   std::set<std::string> restored_laws_;  ///< names that restored blocks view
   std::vector<Index> merged_nodes_;

@@ -202,6 +202,7 @@ class Simulation {
   void detect(const StepContext& context);
   void keep_guess();
   void build(const StepContext& context, Timer& timer);
+  void build(const StepContext& context, Timer& timer, ConstraintBuilder::Warm warm);
   void check_gaps();
   void lead_gaps(const StepContext& context);
   void solve(ConstraintProblem& problem);

@@ -19,18 +19,16 @@ class BestGuess {
   /// A new step.
   void forget() { least_ = -1; }
   /// The present guess, with what its balance lacks per body; `reached`: on ways that were free.
-  void look(const std::vector<Imbalance>& imbalance, const GrowingVec& lambda, bool reached);
+  /// True if it is the best one so far.
+  bool look(const std::vector<Imbalance>& imbalance, bool reached);
   /// Moves the bodies to the best guess that was finite. False if there was none.
   bool go_back(const StepContext& context) const;
   bool was_reached() const { return reached_; }
-  /// The forces of the constraints there.
-  const GrowingVec& lambda() const { return lambda_; }
 
  private:
   const Bodies& bodies_;
   Real least_ = -1;           ///< N; negative: no guess yet
   std::vector<VecX> motion_;  ///< per body, m and rad
-  GrowingVec lambda_;
   bool reached_ = false;
 };
 

@@ -86,9 +86,7 @@ void Simulation::constraint_force(std::size_t body, const GrowingVec& lambda) {
 void Simulation::end_with_best_guess(const StepContext& context, Timer& timer) {
   if (!best_guess_->go_back(context)) return;
   if (best_guess_->was_reached()) keep_guess();
-  build(context, timer);
-  const GrowingVec& lambda = best_guess_->lambda();
-  if (lambda.size() == problem_.rows()) problem_.lambda = lambda;
+  build(context, timer, ConstraintBuilder::Warm::best_guess);
   measure(context);
 }
 

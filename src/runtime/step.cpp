@@ -127,7 +127,7 @@ bool Simulation::balance(StepContext context, Index most, Timer& timer) {
     timer.enter(Stage::measure);
     const bool balanced = measure(context);
     if (!std::isfinite(violation_)) break;
-    best_guess_->look(imbalance_, problem_.lambda, least_free_way(sources_) == 1);
+    if (best_guess_->look(imbalance_, least_free_way(sources_) == 1)) builder_->mark_best_guess();
     if (!balanced || context.pass < least) {
       // What passes leave out is in the rows; without any, each body knows best how to go on.
       timer.enter(Stage::correct);
@@ -211,11 +211,15 @@ void Simulation::pass(const StepContext& context, Timer& timer) {
 
 /// The rows at the present guess: H, gap, law, parameters, key; lambda and modes of known keys.
 void Simulation::build(const StepContext& context, Timer& timer) {
+  using Warm = ConstraintBuilder::Warm;
+  build(context, timer, context.pass == 0 ? Warm::step_before : Warm::pass_before);
+}
+
+void Simulation::build(const StepContext& context, Timer& timer, ConstraintBuilder::Warm warm) {
   timer.enter(Stage::detect);
   detect(context);
   timer.enter(Stage::build);
-  using Warm = ConstraintBuilder::Warm;
-  builder_->begin(context.pass == 0 ? Warm::step_before : Warm::pass_before);
+  builder_->begin(warm);
   for (ConstraintSource* source : sources_) ask(source).build(context, *builder_);
   builder_->finish();
   report_.blocks = static_cast<Index>(problem_.blocks.size());

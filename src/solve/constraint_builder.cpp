@@ -42,15 +42,25 @@ const ConstraintBuilder::Known* ConstraintBuilder::Memory::find(Key wanted) cons
   return it != blocks.end() && it->key == wanted ? &*it : nullptr;
 }
 
+const ConstraintBuilder::Memory& ConstraintBuilder::memory() const {
+  switch (warm_) {
+    case Warm::pass_before:
+      return pass_before_;
+    case Warm::best_guess:
+      return best_guess_;
+    case Warm::step_before:
+      break;
+  }
+  return step_before_;
+}
+
 Real ConstraintBuilder::known_force(Key key, Index row) const {
-  const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
-  const Known* known = memory.find(key);
-  return known != nullptr ? memory.lambda[static_cast<std::size_t>(known->first + row)] : Real(0);
+  const Known* known = memory().find(key);
+  return known != nullptr ? memory().lambda[static_cast<std::size_t>(known->first + row)] : Real(0);
 }
 
 Mode ConstraintBuilder::known_mode(Key key, Mode otherwise) const {
-  const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
-  const Known* known = memory.find(key);
+  const Known* known = memory().find(key);
   return known != nullptr ? known->mode : otherwise;
 }
 
@@ -66,6 +76,10 @@ void ConstraintBuilder::may_idle(BlockId block, Real beyond) {
 
 void ConstraintBuilder::accept() {
   step_before_.remember(problem_, Warm::step_before);
+}
+
+void ConstraintBuilder::mark_best_guess() {
+  best_guess_.remember(problem_, Warm::best_guess);
 }
 
 void ConstraintBuilder::begin(Warm warm) {
@@ -186,7 +200,7 @@ void ConstraintBuilder::finish() {
   problem_.d_free = problem_.gap;
   problem_.delta = problem_.gap;
   problem_.lambda = Eigen::Map<const VecX>(first_lambda_.data(), rows);
-  const Memory& memory = warm_ == Warm::pass_before ? pass_before_ : step_before_;
+  const Memory& memory = this->memory();
   for (ConstraintBlock& b : problem_.blocks) {
     const Known* old = memory.find(b.key);
     if (old == nullptr || old->law != b.law->name) continue;
