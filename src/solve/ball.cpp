@@ -43,6 +43,7 @@ Real solve_in_ball(const BlockMatrix<N>& W, const BlockVector<N>& d, Real limit,
       lambda = eigen.eigenvectors() * y;
       return 0;
     }
+    constexpr Real small = 1e-12;
     for (int iteration = 0; iteration < 60; ++iteration) {
       y = at(s);
       const Real norm = y.norm();
@@ -51,7 +52,7 @@ Real solve_in_ball(const BlockMatrix<N>& W, const BlockVector<N>& d, Real limit,
       if (!(slope > 0)) break;
       const Real step = (norm / limit - 1) * norm * norm / slope;
       s += step;
-      if (std::abs(step) <= 1e-15 * s) break;
+      if (std::abs(step) <= small * (s + e[0])) break;
     }
     y = at(s);
     lambda = eigen.eigenvectors() * (y * (limit / y.norm()));

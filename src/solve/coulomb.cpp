@@ -1,6 +1,5 @@
 #include "sutura/laws/coulomb.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -10,41 +9,71 @@ namespace sutura {
 
 namespace {
 
-/// Uncapped contact that is closed (d_n < 0) and whose sticking force is not admissible.
-void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
-  // Normal row eliminated: (S + k) lambda_t = -r, lambda_n = -(d_n + w . lambda_t) / W_nn.
-  const Real wn = W(0, 0);
-  const Vec2 w = W.block<2, 1>(1, 0);
-  const BlockMatrix<2> S = W.block<2, 2>(1, 1) - w * w.transpose() / wn;
-  const Vec2 r = d.tail<2>() - w * (d[0] / wn);
-  Vec2 e = S.diagonal().cwiseMax(0);
+/// Uncapped contact that is closed (d_n < 0). The normal row is eliminated:
+/// (S + k) lambda_t = -r, lambda_n = -(d_n + w . lambda_t) / W_nn.
+class ClosedTouch {
+ public:
+  ClosedTouch(const Mat3& W, const Vec3& d, Real mu)
+      : normal_(W(0, 0)),
+        gap_(d[0]),
+        mu_(mu),
+        w_(W.block<2, 1>(1, 0)),
+        S_(W.block<2, 2>(1, 1) - w_ * (w_.transpose() / normal_)),
+        r_(d.tail<2>() - w_ * (gap_ / normal_)) {}
+
+  /// False if a sticking force is not admissible.
+  bool stick(Vec3& lambda) const;
+  void slip(Vec3& lambda) const;
+
+ private:
+  Real normal_force(const Vec2& t) const { return -(gap_ + w_.dot(t)) / normal_; }
+
+  Real normal_, gap_, mu_;
+  Vec2 w_;
+  BlockMatrix<2> S_;
+  Vec2 r_;
+};
+
+bool ClosedTouch::stick(Vec3& lambda) const {
+  const Real share = S_(1, 0) / S_(0, 0), pivot = S_(1, 1) - share * S_(1, 0);
+  if (!(S_(0, 0) > 0) || !(pivot > 0)) return false;
+  Vec2 t;
+  t[1] = -(r_[1] - share * r_[0]) / pivot;
+  t[0] = -(r_[0] + S_(1, 0) * t[1]) / S_(0, 0);
+  const Real n = normal_force(t);
+  if (!(n >= 0 && t.norm() <= mu_ * n)) return false;
+  lambda << n, t;
+  return true;
+}
+
+void ClosedTouch::slip(Vec3& lambda) const {
+  Vec2 e = S_.diagonal().cwiseMax(0);
   BlockMatrix<2> axes = BlockMatrix<2>::Identity();
-  if (S(1, 0) != 0) {  // laws are most often asked with a diagonal
+  if (S_(1, 0) != 0) {  // laws are most often asked with a diagonal
     Eigen::SelfAdjointEigenSolver<BlockMatrix<2>> eigen;
-    eigen.computeDirect(S);
+    eigen.computeDirect(S_);
     e = eigen.eigenvalues().cwiseMax(0);
     axes = eigen.eigenvectors();
   }
-  const Vec2 re = axes.transpose() * r, we = axes.transpose() * w;
+  const Vec2 re = axes.transpose() * r_, we = axes.transpose() * w_;
+  const Real share = mu_ / normal_;
   Vec2 t;
-  Real n = 0, slope = 0;  // of the excess over k
+  Real slope = 0;  // of the excess over k > 0
   const auto excess = [&](Real k) {
-    Vec2 dt = Vec2::Zero();
-    for (int i = 0; i < 2; ++i) {
-      t[i] = e[i] + k > 0 ? -re[i] / (e[i] + k) : Real(0);
-      if (e[i] + k > 0) dt[i] = -t[i] / (e[i] + k);
-    }
-    n = -(d[0] + we.dot(t)) / wn;
+    const Vec2 answer = (e.array() + k).inverse();
+    t = -re.cwiseProduct(answer);
+    const Vec2 dt = -t.cwiseProduct(answer);
     const Real norm = t.norm();
-    slope = (norm > 0 ? t.dot(dt) / norm : Real(0)) + mu * we.dot(dt) / wn;
-    return norm - mu * n;
+    slope = (norm > 0 ? t.dot(dt) / norm : Real(0)) + share * we.dot(dt);
+    return norm + share * (gap_ + we.dot(t));
   };
   // Newton's method, and a bisection where it leaves what encloses the root or is slow. It begins
   // from the root for a W that is alike in both tangents and does not couple them to the normal.
+  // After a step of Newton's so small the next would be one of rounding.
   const Real mean = re.squaredNorm() > 0 ? re.cwiseAbs2().dot(e) / re.squaredNorm() : Real(0);
-  const Real guess = re.norm() / (-mu * d[0] / wn) - mean;
-  constexpr Real rounding = 4e-16, none = std::numeric_limits<Real>::infinity();
-  Real k = guess > 0 && guess < none ? guess : std::max(e.maxCoeff(), Real(1e-12) * wn);
+  const Real guess = re.norm() / (-share * gap_) - mean;
+  constexpr Real small = 1e-12, rounding = 4e-16, none = std::numeric_limits<Real>::infinity();
+  Real k = guess > 0 && guess < none ? guess : std::max(e.maxCoeff(), Real(1e-12) * normal_);
   Real low = 0, high = none, last = 8 * k;
   for (int i = 0; i < 200; ++i) {
     const Real f = excess(k);
@@ -54,14 +83,16 @@ void solve_slip(const Mat3& W, const Vec3& d, Real mu, Vec3& lambda) {
     const bool takes_it = newton > low && newton < high && std::abs(newton - k) < 0.5 * last;
     const Real next = takes_it ? newton : high < none ? 0.5 * (low + high) : 4 * k;
     last = std::abs(next - k);
-    if (last <= rounding * k) break;
     k = next;
+    if (last <= (takes_it ? small : rounding) * (k + e.minCoeff())) {
+      excess(k);
+      break;
+    }
   }
-  n = std::max(n, Real(0));
-  const Real norm = t.norm();
-  if (norm > 0) t *= mu * n / norm;  // on the cone, to the last bit
-  lambda[0] = n;
-  lambda.tail<2>() = axes * t;
+  const Vec2 along = axes * t;
+  const Real n = std::max(normal_force(along), Real(0)), norm = along.norm();
+  lambda[0] = n;  // on the cone, to the last bit
+  lambda.tail<2>() = norm > 0 ? Vec2(along * (mu_ * n / norm)) : Vec2::Zero();
 }
 
 }  // namespace
@@ -75,18 +106,9 @@ Friction solve_friction(const Mat3& W, const Vec3& d, Real mu, Real cap, Vec3& l
     lambda << std::min(-d[0] / W(0, 0), cap), 0, 0;
     return lambda[0] < cap ? Friction::slip : Friction::capped_slip;
   }
-  Friction state = Friction::slip;
-  const Eigen::LLT<Mat3> factor(W);
-  bool sticks = false;
-  if (factor.info() == Eigen::Success) {
-    const Vec3 stick = -factor.solve(d);
-    if (stick[0] >= 0 && stick.tail<2>().norm() <= mu * stick[0]) {
-      lambda = stick;
-      state = Friction::stick;
-      sticks = true;
-    }
-  }
-  if (!sticks) solve_slip(W, d, mu, lambda);
+  const ClosedTouch touch(W, d, mu);
+  const Friction state = touch.stick(lambda) ? Friction::stick : Friction::slip;
+  if (state == Friction::slip) touch.slip(lambda);
   if (lambda[0] <= cap) return state;
 
   // Normal force n given: the tangent rows are a ball of radius mu n.

@@ -12,6 +12,15 @@ namespace {
 /// Directions from which on a device is faster than the CPU (docs/theory/opencl.md).
 constexpr Index worth_a_device = 100;
 
+/// The share of its own compliance by which each row is softened that may repeat others, at this
+/// law residual. Most forces of such rows are determined badly or not at all, and would run away
+/// before the states are right.
+Real damping(Real residual) {
+  constexpr Real most = 2e-3;
+  const Real root = std::sqrt(std::min(residual, Real(1)));
+  return most * root * std::sqrt(root);  // residual^0.75: faster than linear at the end
+}
+
 }  // namespace
 
 void SubspaceStep::begin(SweepDevice* device) {
@@ -140,19 +149,23 @@ void SubspaceStep::assemble(const ConstraintProblem& problem, Compliance& compli
   compliance.add_products(problem, combinations_, symmetric_, G);
 }
 
-bool SubspaceStep::factorise() {
+Real SubspaceStep::damping_of(const ConstraintProblem& problem, Index direction) const {
+  const Direction& d = now_.directions[static_cast<std::size_t>(direction)];
+  return problem.blocks[d.block].redundant ? damping_ : undamped;
+}
+
+bool SubspaceStep::factorise(const ConstraintProblem& problem) {
   const auto f = static_cast<Index>(now_.directions.size());
   auto G = matrix_.topLeftCorner(f, f);
-  // Unit diagonal: rows of different compliance weigh the same, and a regularisation is relative to
-  // each. It is the share of each row's own compliance that may be lost; repeating the step
-  // corrects it.
+  // Unit diagonal: rows of different compliance weigh the same, and damping is relative to each.
+  // Repeating the step corrects what it leaves.
   scale_.resize(f);
   for (Index i = 0; i < f; ++i)
     scale_[i] = G(i, i) != 0 ? 1 / std::sqrt(std::abs(G(i, i))) : Real(1);
   if (!scale_.allFinite()) return false;
   G.array().colwise() *= scale_.array();
   G.array().rowwise() *= scale_.transpose().array();
-  G.diagonal().array() += regularisation;
+  for (Index i = 0; i < f; ++i) G(i, i) += damping_of(problem, i);
   if (symmetric_) {
     Eigen::Ref<MatX, 0, Eigen::OuterStride<>> in_place(G);
     Eigen::LLT<Eigen::Ref<MatX, 0, Eigen::OuterStride<>>> llt(in_place);
@@ -183,9 +196,10 @@ bool SubspaceStep::solve_here(ConstraintProblem& problem, Compliance& compliance
   if (!unchanged()) {
     assemble(problem, compliance);
     ++report.factorisations;
-    factored_ = factorise();
+    factored_ = factorise(problem);
     if (!factored_) return false;
     factored_with_ = now_;
+    factored_damping_ = damping_;
   }
   y_.resize(f);
   for (Index j = 0; j < f; ++j) y_[j] = -left_of(problem, j) * scale_[j];
@@ -205,11 +219,12 @@ bool SubspaceStep::solve_here(ConstraintProblem& problem, Compliance& compliance
   return true;
 }
 
-/// Rows that contradict each other have no solution; the regularised one is huge and must not be
-/// taken.
+/// Rows that contradict each other have no solution; what rounding makes of one is huge and must
+/// not be taken. What damping leaves is for the next step.
 bool SubspaceStep::is_solved(const ConstraintProblem& problem) const {
   Real left = 0;
   for (Index j = 0; j < y_.size(); ++j) {
+    if (damping_of(problem, j) > undamped) continue;
     const Direction& d = now_.directions[static_cast<std::size_t>(j)];
     Real r = left_of(problem, j);
     const Index first = j - d.index;  // directions of one block are consecutive
@@ -247,6 +262,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance
   best_lambda_ = problem.lambda;
   gather(problem, compliance);
   std::size_t fewest = problem.blocks.size(), most = fewest;
+  damping_ = damping(1);
   for (int idle = 0; idle < patience && residual.value > tolerance; ++idle) {
     if (!solve(problem, compliance, report)) break;
     ++report.direct_solves;
@@ -254,6 +270,7 @@ Residual SubspaceStep::newton(ConstraintProblem& problem, Compliance& compliance
     if (!std::isfinite(residual.value)) break;
     keep_best(problem, residual);
     if (!(residual.value > tolerance)) return residual;  // lambda and delta are those of the best
+    damping_ = std::max(damping(residual.value), undamped);
     const std::size_t wrong = change_states(problem, compliance, most);
     collect(problem);
     if (wrong < fewest) {
@@ -277,122 +294,6 @@ void SubspaceStep::keep_best(const ConstraintProblem& problem, const Residual& r
   if (!(residual.value < best_.value)) return;
   best_ = residual;
   best_lambda_ = problem.lambda;
-}
-
-void SubspaceStep::hold(const ConstraintProblem& problem, Compliance& compliance,
-                        const GrowingVec& lambda, std::size_t block) {
-  const ConstraintBlock& b = problem.blocks[block];
-  const int dim = b.law->dim;
-  Real d[max_block_dim], delta[max_block_dim], plus[max_block_dim];
-  const Real none[max_block_dim] = {};
-  own_free_violation(dim, compliance[block], none, lambda.data() + b.first_row, d);
-  std::copy_n(lambda.data() + b.first_row, dim, plus);
-  Mode mode = b.mode;
-  b.law->project({compliance[block], d, problem.block_params(b), &mode, plus});
-  for (int k = 0; k < dim; ++k) {
-    delta[k] = d[k];
-    for (int j = 0; j < dim; ++j) delta[k] += compliance[block][k + j * dim] * plus[j];
-    base_[b.first_row + k] = plus[k];
-  }
-  b.law->free_directions({compliance[block], delta, problem.block_params(b), &mode, plus},
-                         tangents_[block]);
-}
-
-bool SubspaceStep::admissible(const ConstraintProblem& problem, Compliance& compliance,
-                              const GrowingVec& lambda, std::size_t block) const {
-  using Small =
-      Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, max_block_dim, max_block_dim>;
-  using SmallVector = Eigen::Matrix<Real, Eigen::Dynamic, 1, 0, max_block_dim, 1>;
-  const ConstraintBlock& b = problem.blocks[block];
-  const FreeDirectionsView& free = tangents_[block];
-  const int dim = b.law->dim, f = free.count;
-  const Eigen::Map<const MatX> W(compliance[block], dim, dim), move(free.move, dim, f),
-      test(free.test, dim, f);
-  const SmallVector l = lambda.segment(b.first_row, dim);
-  // Coordinates of l on the tangent, and the smallest delta that the tangent then asks for.
-  const Small moves = move.transpose() * move, tests = test.transpose() * test;
-  const SmallVector off = l - base_.segment(b.first_row, dim), along = move.transpose() * off;
-  const SmallVector y = moves.ldlt().solve(along);
-  SmallVector asked(f);
-  for (int i = 0; i < f; ++i) {
-    asked[i] = -free.gap[i];
-    for (int j = 0; j < f; ++j) asked[i] -= free.compliance[i + j * dim] * y[j];
-  }
-  const SmallVector delta = test * tests.ldlt().solve(asked);
-  SmallVector d = delta - W * l, plus = l;
-  Mode mode = b.mode;
-  b.law->project({compliance[block], d.data(), problem.block_params(b), &mode, plus.data()});
-  return (plus - l).norm() <= 1e-9 * (l.norm() + 1e-3 * b.units.force);
-}
-
-void SubspaceStep::walk(ConstraintProblem& problem, Compliance& compliance, Real tolerance,
-                        GrowingVec& lambda_plus, SolveReport& report) {
-  const std::size_t blocks = problem.blocks.size();
-  natural_map(problem, compliance, lambda_plus, &block_residual_);
-  ask(problem, compliance);
-  for (std::size_t i = 0; i < blocks; ++i) {
-    if (block_residual_[i] <= tolerance)
-      take_tangent(problem, compliance, i);
-    else
-      hold(problem, compliance, problem.lambda, i);
-  }
-  // At most 1e9 multiplications, some tenths of a second: counted, not timed, so that results do
-  // not depend on the machine.
-  const Real n = static_cast<Real>(problem.rows());
-  const auto affordable = static_cast<std::size_t>(1e9 / (n * n * n / 6 + 2 * n * n));
-  const std::size_t most_steps = std::min(3 * blocks + 20, affordable);
-  GrowingVec& from = walk_from_;
-  GrowingVec& way = walk_way_;
-  for (std::size_t step = 0; step < most_steps; ++step) {
-    collect(problem);
-    from = problem.lambda;
-    if (!solve(problem, compliance, report)) return;
-    ++report.direct_solves;
-    way = problem.lambda - from;
-    Real length = 1;
-    stops_.assign(blocks, Real(2));
-    for (std::size_t i = 0; i < blocks; ++i) {
-      if (tangents_[i].count == 0) continue;
-      const ConstraintBlock& b = problem.blocks[i];
-      auto here = problem.lambda.segment(b.first_row, b.law->dim);
-      const auto may_go = [&](Real t) {
-        here = from.segment(b.first_row, b.law->dim) + t * way.segment(b.first_row, b.law->dim);
-        return admissible(problem, compliance, problem.lambda, i);
-      };
-      // Only who stops first matters: whoever gets as far as that need not be followed further.
-      if (!may_go(length)) {
-        Real low = 0, high = length;
-        while (high - low > 1e-15) {
-          const Real middle = 0.5 * (low + high);
-          (may_go(middle) ? low : high) = middle;
-        }
-        stops_[i] = low;
-        length = low;
-      }
-      may_go(1);
-    }
-    if (length == 1) {
-      // Free to go all the way. Now the one clamped block that most wants to leave its limit may.
-      const Residual residual = natural_map(problem, compliance, lambda_plus, &block_residual_);
-      keep_best(problem, residual);
-      if (!(residual.value > tolerance)) return;
-      const auto worst = std::max_element(block_residual_.begin(), block_residual_.end());
-      ask(problem, compliance);
-      take_tangent(problem, compliance, static_cast<std::size_t>(worst - block_residual_.begin()));
-      continue;
-    }
-    problem.lambda = from + length * way;
-    for (std::size_t i = 0; i < blocks; ++i) {
-      if (stops_[i] > length + 1e-12) continue;
-      // Clamped where it stopped: the law's answer just beyond.
-      const ConstraintBlock& b = problem.blocks[i];
-      column_.resize(problem.rows());
-      column_ = from + (length + 1e-6) * way;
-      hold(problem, compliance, column_, i);
-      problem.lambda.segment(b.first_row, b.law->dim) = base_.segment(b.first_row, b.law->dim);
-    }
-    compliance.update_delta(problem);
-  }
 }
 
 }  // namespace sutura

@@ -37,7 +37,7 @@ class SubspaceStep {
                   Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 
  private:
-  static constexpr Real regularisation = 1e-12;
+  static constexpr Real undamped = 1e-12;  ///< what rounding asks for
   struct Entry {
     Index row;
     Real move, test;
@@ -68,11 +68,15 @@ class SubspaceStep {
   std::size_t change_states(const ConstraintProblem& problem, Compliance& compliance,
                             std::size_t most);
   void collect(const ConstraintProblem& problem);
-  bool unchanged() const { return factored_ && now_ == factored_with_; }
+  bool unchanged() const {
+    return factored_ && factored_damping_ == damping_ && now_ == factored_with_;
+  }
   /// lambda <- the solution on the tangents, delta <- W lambda + d_free. False if there is none.
   bool solve(ConstraintProblem& problem, Compliance& compliance, SolveReport& report);
   void assemble(const ConstraintProblem& problem, Compliance& compliance);
-  bool factorise();
+  /// What is added to the diagonal of the system, which is scaled to one.
+  Real damping_of(const ConstraintProblem& problem, Index direction) const;
+  bool factorise(const ConstraintProblem& problem);
   void find_scales(const ConstraintProblem& problem);
   void apply(ConstraintProblem& problem) const;
   /// From lambda = base: y, lambda and delta. False if the device cannot do it.
@@ -105,6 +109,7 @@ class SubspaceStep {
   std::vector<RowCombination> combinations_;  // per direction
   GrowingVec base_;
   System now_, factored_with_;
+  Real damping_ = undamped, factored_damping_ = undamped;  ///< of rows that may repeat others
   bool symmetric_ = true, factored_ = false;
   MatX matrix_;  // the leading part holds the system, then its factor
   Real asked_of_system_ = 0;
@@ -113,7 +118,7 @@ class SubspaceStep {
   SweepDevice* device_ = nullptr;
   struct Sent {  // what the device is told of a system
     std::vector<std::int32_t> first, row, first_of_block;
-    std::vector<Real> move, test;
+    std::vector<Real> move, test, compliance;
     TangentAnswer answer;
   } sent_;
   GrowingMat LU_;           // where the system is not symmetric

@@ -39,13 +39,20 @@ bool SubspaceStep::solve_on_device(ConstraintProblem& problem) {
     s.move.push_back(e.move);
     s.test.push_back(e.test);
   }
+  s.compliance = now_.compliance;
+  for (std::size_t j = 0; j < f; ++j) {
+    const auto row = static_cast<Index>(j);
+    const Real damped = damping_of(problem, row) - undamped;
+    s.compliance[j * max_block_dim + static_cast<std::size_t>(now_.directions[j].index)] +=
+        damped / (scale_[row] * scale_[row]);
+  }
   const auto all = [](const GrowingVec& v) {
     return std::span<const Real>(v.data(), static_cast<std::size_t>(v.size()));
   };
   TangentAnswer& answer = s.answer;
   if (!device_->solve_tangents(
-          {s.first, s.first_of_block, s.row, all(scale_), all(gap_).first(f), now_.compliance,
-           all(base_), all(problem.d_free), s.move, s.test, regularisation},
+          {s.first, s.first_of_block, s.row, all(scale_), all(gap_).first(f), s.compliance,
+           all(base_), all(problem.d_free), s.move, s.test, undamped},
           answer)) {
     device_ = nullptr;
     return false;
