@@ -1,6 +1,7 @@
 #include "better_guess.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sutura {
 
@@ -62,6 +63,19 @@ bool BetterGuess::curve_down(const Pass& a, const Pass& b) const {
   return sum > 0;
 }
 
+bool BetterGuess::go_ahead(const StepContext& context) {
+  const Pass &newest = passes_[0], &last = passes_[1];
+  constexpr Real aligned = 0.8;  // cosine
+  const Real both = product(newest, newest) * product(last, last);
+  if (!(product(newest, last) > aligned * std::sqrt(both))) return false;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (newest.rests[i]) continue;
+    guess_[i] = newest.to[i] + (newest.to[i] - newest.from[i]);
+    bodies_[i].body->move_to(context, guess_[i]);
+  }
+  return true;
+}
+
 bool BetterGuess::move_on(const StepContext& context) {
   Pass& newest = passes_[0];
   bool whole = true;
@@ -85,7 +99,7 @@ bool BetterGuess::move_on(const StepContext& context) {
   Index n = 0;
   for (std::size_t j = 1; j < known_; ++j)
     if (!curve_down(newest, passes_[j])) other[n++] = &passes_[j];
-  if (n == 0) return false;
+  if (n == 0) return go_ahead(context);
 
   // Changes f of the passes; smallest |f0 + sum of c_j (f_j - f0)|.
   Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, 0, memory, memory> a(n, n);

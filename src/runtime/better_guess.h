@@ -10,7 +10,9 @@
 //
 // The change is smallest at any balance, also at one from which passes lead away: a saddle of the
 // step's potential, where a thread would stand on edge. So passes between which the potential
-// curves down are left out, as methods of the BFGS kind leave out such pairs.
+// curves down are left out, as methods of the BFGS kind leave out such pairs. Where that leaves
+// none, and the last two passes went the same way, they lead away from such a balance, by a little
+// more each time: the next one begins as far ahead again as the last one went.
 #pragma once
 
 #include <array>
@@ -43,6 +45,8 @@ class BetterGuess {
   };
   Real product(const Pass& a, const Pass& b) const;
   bool curve_down(const Pass& a, const Pass& b) const;
+  /// Away from a saddle. False if the last two passes went different ways.
+  bool go_ahead(const StepContext& context);
 
   const Bodies& bodies_;
   std::array<Pass, memory> passes_;  ///< the newest first

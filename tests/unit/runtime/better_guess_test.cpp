@@ -82,6 +82,14 @@ TEST(BetterGuess, DoesNotTakePassesBackToASaddle) {
         << factor;
 }
 
+// They grow by little. Each of twelve but the first two goes twice as far.
+TEST(BetterGuess, GoesAheadWherePassesLeadAwayFromASaddle) {
+  for (const Real factor : {1.02, 1.07, 1.3})
+    EXPECT_GT(left_after(12, factors({factor}), true, 6),
+              left_after(16, factors({factor}), false, 6))
+        << factor;
+}
+
 TEST(BetterGuess, LeavesGoodPassesAlone) {
   const VecX good = factors({0.2, -0.1});
   EXPECT_EQ(left_after(6, good, true), left_after(6, good, false));
