@@ -171,6 +171,8 @@ class ConstraintBuilder {
     void archive(Archive& archive, std::set<std::string>& laws);
   };
   void gather_rows(std::size_t body);
+  /// Where known keys take theirs from in this problem.
+  const Memory& memory() const;
 
   ConstraintProblem& problem_;
   std::vector<const Body*> bodies_;
@@ -179,8 +181,6 @@ class ConstraintBuilder {
   std::vector<Real> patch_values_;
   std::vector<Index> first_patch_, last_patch_;  // per block
   std::vector<Real> gap_, first_lambda_;
-  const Memory& memory() const;
-
   Memory step_before_, pass_before_, best_guess_;
   Warm warm_ = Warm::step_before;
   std::set<std::string> restored_laws_;  ///< names that restored blocks view

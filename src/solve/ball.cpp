@@ -43,7 +43,7 @@ Real solve_in_ball(const BlockMatrix<N>& W, const BlockVector<N>& d, Real limit,
       lambda = eigen.eigenvectors() * y;
       return 0;
     }
-    constexpr Real small = 1e-12;
+    constexpr Real small = 1e-12;  // after such a step the next would be one of rounding
     for (int iteration = 0; iteration < 60; ++iteration) {
       y = at(s);
       const Real norm = y.norm();

@@ -27,12 +27,13 @@ class SubspaceStep {
   /// directions.
   Index gather(const ConstraintProblem& problem, Compliance& compliance);
 
-  /// Newton over the tangents: blocks take new ones after each solve. All of them may change their
-  /// state at first. That is fast but may cycle: whenever no fewer are in the wrong state than
-  /// before, only two thirds as many may change, those with the largest residual (block pivoting:
-  /// Judice and Pires 1994). If that does not end either and `may_walk`, a slower walk from where
-  /// it started. Leaves the best point met. lambda must be admissible for every law (as it is after
-  /// a sweep); `residual` and lambda_plus are those of natural_map before and after.
+  /// Newton over the tangents: blocks take new ones after each solve. Rows that may repeat others
+  /// are damped, the less the nearer it is to the solution (docs/theory/solver.md). All of them may
+  /// change their state at first. That is fast but may cycle: whenever no fewer are in the wrong
+  /// state than before, only two thirds as many may change, those with the largest residual (block
+  /// pivoting: Judice and Pires 1994). If that does not end either and `may_walk`, a slower walk
+  /// from where it started. Leaves the best point met. lambda must be admissible for every law (as
+  /// it is after a sweep); `residual` and lambda_plus are those of natural_map before and after.
   Residual newton(ConstraintProblem& problem, Compliance& compliance, Residual residual,
                   Real tolerance, GrowingVec& lambda_plus, SolveReport& report, bool may_walk);
 

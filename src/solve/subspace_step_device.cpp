@@ -39,6 +39,7 @@ bool SubspaceStep::solve_on_device(ConstraintProblem& problem) {
     s.move.push_back(e.move);
     s.test.push_back(e.test);
   }
+  // The device scales all of the diagonal, so damping goes in as a compliance of the row.
   s.compliance = now_.compliance;
   for (std::size_t j = 0; j < f; ++j) {
     const auto row = static_cast<Index>(j);
