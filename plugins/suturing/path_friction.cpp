@@ -57,9 +57,10 @@ void PathFriction::describe(Describe<PathFriction>& d) {
       "0.4, braids above monofilaments; the ratio of static to kinetic is that of the needle.");
   d.attribute("pressure", &PathFriction::pressure_, "Pa", between(0, 1e12),
               "Pressure p of the tissue on needle and thread, where it is given as a value.");
-  d.attribute("pressure_from", &PathFriction::pressure_from_, {"value", "tissue"},
-              "Where the pressure comes from: the value above, or the stiffness of the tissue at "
-              "each sample, layer by layer.");
+  d.attribute(
+      "pressure_from", &PathFriction::pressure_from_, {"value", "tissue"},
+      "Where the pressure comes from: the value above, or the stiffness of the tissue, layer by "
+      "layer; the border of two is told to an eighth of the spacing of samples.");
   d.attribute("lateral_share", &PathFriction::lateral_share_, "1", between(0, 1),
               "Share of the measured force across the thread that adds to the pressure: 0 a "
               "constant pressure, 1 the thread "
@@ -86,6 +87,7 @@ void PathFriction::initialise(Setup& setup) {
   static_over_kinetic_ =
       coefficient_ > 0 ? std::max(static_coefficient_ / coefficient_, Real(1)) : Real(1);
   blocks_.reserve(256);
+  pressures_.reserve(256);
   left_.reserve(256);
   if (pressure_from_ == PressureFrom::tissue &&
       !(path_->tissue().elasticity({.element = 0}).young > 0))
@@ -128,6 +130,49 @@ Real PathFriction::pressure(const EmbeddedPoint& at) const {
   return tissue.young / (std::numbers::pi * (1 - tissue.poisson * tissue.poisson));
 }
 
+/// Mean over a straight stretch of channel at rest, which is `part` of the way from one point to
+/// another.
+Real PathFriction::pressure_along(const EmbeddedPoint& from, const EmbeddedPoint& to,
+                                  Real part) const {
+  constexpr int points = 4;
+  const SolidBody& tissue = path_->tissue();
+  const Vec3 begin = tissue.position(from, Configuration::rest);
+  const Vec3 way = part * (tissue.position(to, Configuration::rest) - begin);
+  Real sum = 0;
+  for (int k = 0; k < points; ++k) {
+    const Vec3 at = begin + (k + 0.5) / points * way;
+    sum += pressure(tissue.locate(at, Configuration::rest).value_or(from));
+  }
+  return sum / points;
+}
+
+/// As much of the way from a sample to the tip, towards `ahead`, as the tip has come.
+Real PathFriction::pressure_to_tip(const PathSample& sample, const EmbeddedPoint& ahead,
+                                   Real length) const {
+  const Vec3 way = path_->tissue().position(ahead, Configuration::start) -
+                   path_->tissue().position(sample.at, Configuration::start);
+  if (!(way.norm() > 0)) return pressure(sample.at);
+  return pressure_along(sample.at, ahead, std::min(length / way.norm(), Real(1)));
+}
+
+/// Mean over what a sample stands for: half of the way to its neighbours, or all of that to the
+/// tip.
+Real PathFriction::mean_pressure(const Crossing& c) const {
+  const Channel& channel = path_->channel();
+  const std::vector<PathSample>& samples = channel.samples();
+  const PathSample& sample = samples[c.sample];
+  const Real up = c.share.high - sample.abscissa, down = sample.abscissa - c.share.low;
+  Real above = pressure(sample.at), below = above;
+  if (pressure_from_ == PressureFrom::value || !(up + down > 0)) return above;
+  const std::size_t next = c.sample + 1;
+  if (channel.is_joined(c.sample)) above = pressure_along(sample.at, samples[c.sample - 1].at, 0.5);
+  if (next == channel.passed() && channel.tip_inside())
+    below = pressure_to_tip(sample, next < samples.size() ? samples[next].at : channel.end(), down);
+  else if (next < channel.passed() && channel.is_joined(next))
+    below = pressure_along(sample.at, samples[next].at, 0.5);
+  return (up * above + down * below) / (up + down);
+}
+
 Real PathFriction::needle_resistance(const EmbeddedPoint& at) const {
   return 2 * std::numbers::pi * path_->thread().radius(0) * coefficient_ * pressure(at);
 }
@@ -135,11 +180,17 @@ Real PathFriction::needle_resistance(const EmbeddedPoint& at) const {
 void PathFriction::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
   limit_ = 0;
-  for (const Crossing& c : path_->crossings()) {
+  const std::span<const Crossing> crossings = path_->crossings();
+  if (context.pass == 0) {  // the samples and what they are fixed to stay for the whole step
+    pressures_.clear();
+    for (const Crossing& c : crossings) pressures_.push_back(mean_pressure(c));
+  }
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const Crossing& c = crossings[i];
     const Surface area(path_->thread(), c.share);
     PathFrictionLaw::Params params;
     const PathSample& sample = path_->channel().samples()[c.sample];
-    const Real p = pressure(sample.at);
+    const Real p = pressures_[i];
     // The force across the thread is that of the step before: exact in steady sliding.
     const Real lateral = lateral_share_ * sample.lateral_force;
     const bool on_needle = area.needle > area.thread;

@@ -27,6 +27,9 @@ class PathFriction : public Component, public ConstraintSource {
   enum class PressureFrom { value, tissue };
   Real thread_coefficient() const;
   Real pressure(const EmbeddedPoint& at) const;
+  Real mean_pressure(const Crossing& c) const;
+  Real pressure_along(const EmbeddedPoint& from, const EmbeddedPoint& to, Real part) const;
+  Real pressure_to_tip(const PathSample& sample, const EmbeddedPoint& ahead, Real length) const;
   Link<SuturePath> path_;
   Real coefficient_ = 0.2;
   Real static_coefficient_ = 0;
@@ -38,6 +41,7 @@ class PathFriction : public Component, public ConstraintSource {
   Real viscosity_ = 0;
   Real stick_speed_ = 0;
   Index source_id_ = 0;
+  std::vector<Real> pressures_;  ///< per crossing, of this step (Pa)
   struct SampleBlock {
     BlockId block;
     std::uint64_t sample;
