@@ -157,6 +157,8 @@ void Contact::detect(const StepContext& context) {
 void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
   keep_what_carries(builder);
+  // What the compliance asks for is no overlap that a step has left.
+  for (Touch& t : touches_) t.left = std::max(Real(0), t.left - compliance_ * t.pressed);
   for (const Touch& t : touches_) {
     Mat3 axes;  // rows: normal, along the first, across both
     axes.row(0) = t.normal;
@@ -194,12 +196,13 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
 /// the pass before stays a touch of this one, at its place: else its force would be gone from one
 /// pass to the next, and the one after would bring it back.
 void Contact::keep_what_carries(const ConstraintBuilder& builder) {
-  memory_.each_missing([&](std::uint64_t id, Real first, Real second, const Vec2& left_over) {
-    if (!(builder.known_force(make_key(source_id_, id)) > 0)) return;
+  memory_.each_missing([&](const ContactMemory::Known& known) {
+    if (!(builder.known_force(make_key(source_id_, known.id)) > 0)) return;
     Touch touch;
-    if (!pair_->find_again(first, second, touch)) return;
-    touch.id = id;
-    touch.left_over = left_over;
+    if (!pair_->find_again(known.first, known.second, touch)) return;
+    touch.id = known.id;
+    touch.left_over = known.left_over;
+    touch.pressed = known.lambda[0];
     touches_.push_back(touch);
   });
 }

@@ -41,17 +41,19 @@ void ContactMemory::recognise(std::vector<Touch>& touches, const Pair& pair) {
   places_.clear();
   for (std::size_t i = 0; i < touches.size(); ++i) {
     Touch& t = touches[i];
-    bool rests = false;
+    Known now{.first = t.first_place, .second = t.second_place};
     if (found_[i] < known) {
       const Known& same = met_[found_[i]];
       t.id = same.id;
       t.left_over = same.left_over;
-      rests = same.rests;
-      if (rests) t.lambda = same.lambda, t.mode = same.mode;
+      t.pressed = same.lambda[0];
+      if (same.rests) t.lambda = same.lambda, t.mode = same.mode;
+      now.lambda = same.lambda, now.mode = same.mode, now.rests = same.rests;
     } else {
       t.id = next_id_++;
     }
-    places_.push_back({t.id, t.first_place, t.second_place, t.left_over, t.lambda, t.mode, rests});
+    now.id = t.id, now.left_over = t.left_over;
+    places_.push_back(now);
   }
   // Where they are now, and those that were not found this time where they were.
   for (std::size_t i = 0; i < known; ++i)

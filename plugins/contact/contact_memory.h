@@ -14,24 +14,7 @@ namespace sutura::contact {
 
 class ContactMemory : public TouchedPlaces {
  public:
-  void begin_step() { met_ = known_; }
-  Real between(Real low, Real high) const override;
-  /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
-  /// of this one, or a new one.
-  void recognise(std::vector<Touch>& touches, const Pair& pair);
-  /// Those known that were not recognised last time: visit(id, first, second, left_over).
-  template <class Visit>
-  void each_missing(const Visit& visit) const {
-    for (std::size_t i = 0; i < taken_.size(); ++i)
-      if (!taken_[i])
-        visit(places_[i].id, places_[i].first, places_[i].second, places_[i].left_over);
-  }
-  /// What the step ends with: those that carry force, and those that rest within a rigid body. Of
-  /// one that slipped `left_over` is nothing.
-  void remember(const std::vector<Touch>& touches, const Pair& pair);
-  void archive(Archive& archive);
-
- private:
+  /// `lambda`, `mode`: as the step begins.
   struct Known {
     std::uint64_t id = 0;
     Real first = 0, second = 0;
@@ -40,6 +23,24 @@ class ContactMemory : public TouchedPlaces {
     Mode mode = 0;
     bool rests = false;  ///< within a rigid body
   };
+
+  void begin_step() { met_ = known_; }
+  Real between(Real low, Real high) const override;
+  /// Gives every touch its id: that of the nearest one known, from the step before or from a pass
+  /// of this one, or a new one.
+  void recognise(std::vector<Touch>& touches, const Pair& pair);
+  /// Those known that were not recognised last time: visit(known).
+  template <class Visit>
+  void each_missing(const Visit& visit) const {
+    for (std::size_t i = 0; i < taken_.size(); ++i)
+      if (!taken_[i]) visit(places_[i]);
+  }
+  /// What the step ends with: those that carry force, and those that rest within a rigid body. Of
+  /// one that slipped `left_over` is nothing.
+  void remember(const std::vector<Touch>& touches, const Pair& pair);
+  void archive(Archive& archive);
+
+ private:
   static void sort(std::vector<Known>& all);
   std::vector<Known> known_, met_;  ///< at the start of the step; in its passes
   struct Match {

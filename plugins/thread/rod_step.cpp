@@ -263,8 +263,32 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
     worst.force = std::max(worst.force, size);
     worst.relative = std::max(worst.relative, relative);
   }
-  worst.relative = std::max(worst.relative, imbalance_of_whole(rod, force, everywhere));
+  worst.relative = std::max(
+      {worst.relative, imbalance_of_whole(rod, force, everywhere), imbalance_of_roll(rod, force)});
   return worst;
+}
+
+/// What is missing about the tangents, summed over any stretch of the rod, beside a friction of 0.1
+/// of what pushes the rod, and its torsion. As a rod rolls on something, what its nodes lack has
+/// one sign, and is felt as a drag across the rod, however little each of them lacks.
+Real RodStep::imbalance_of_roll(const Rod& rod, const Dofs& force) const {
+  constexpr Real friction = 0.1;
+  const Stretches& stretches = rod.stretches();
+  Real sum = 0, least = 0, most = 0, pushed = 0, torsion = 0;
+  for (Index i = 0; i < rod.nodes(); ++i) {
+    const ElementRest& beam = rod.element(std::min(i, rod.beams() - 1));
+    const Real radius = 2 * std::sqrt(beam.rotary * beam.length / beam.mass);
+    pushed += force.segment<3>(6 * i).norm() * radius;
+    const bool leads = i + 1 < rod.nodes() && stretches.lead(i + 1) == i;
+    if (leads || stretches.follows(i) || rod.is_clamped(i)) continue;
+    const Vec3& along = tangent(rod.poses()[i]);
+    const Real moment = along.dot(force.segment<3>(6 * i + 3));
+    sum += along.dot(guess_.missing.segment<3>(6 * i + 3)) / start_.dt + moment;
+    torsion = std::max(torsion, guess_.at_work[i].roll + std::abs(moment));
+    least = std::min(least, sum);
+    most = std::max(most, sum);
+  }
+  return pushed > 0 ? (most - least) / (friction * pushed + torsion) : Real(0);
 }
 
 /// What is missing of the balance of all of a rod, beside the forces from outside and of inertia. A

@@ -84,6 +84,7 @@ class RodStep {
   void stay(Rod& rod);
   bool goes_uphill(Real lacks, const Rod& rod);
   Real imbalance_of_whole(const Rod& rod, const Dofs& force, Real everywhere) const;
+  Real imbalance_of_roll(const Rod& rod, const Dofs& force) const;
   bool is_compressed(const Rod& rod) const;
   void assemble_unpushed(const Rod& rod, Real convex);
   bool buckles(const Rod& rod);

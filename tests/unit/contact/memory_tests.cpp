@@ -87,11 +87,11 @@ TEST(ContactMemory, KnowsWhoIsMissing) {
   auto fewer = touches({{1.1, 0}});
   memory.recognise(fewer, Near());
   int missing = 0;
-  memory.each_missing([&](std::uint64_t id, Real first, Real second, const Vec2&) {
+  memory.each_missing([&](const ContactMemory::Known& known) {
     ++missing;
-    EXPECT_EQ(id, now[1].id);
-    EXPECT_EQ(first, 3);
-    EXPECT_EQ(second, 2);
+    EXPECT_EQ(known.id, now[1].id);
+    EXPECT_EQ(known.first, 3);
+    EXPECT_EQ(known.second, 2);
   });
   EXPECT_EQ(missing, 1);
 }
