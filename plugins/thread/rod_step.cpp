@@ -269,9 +269,11 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
 }
 
 /// What is missing about the tangents, summed over any stretch of the rod, beside a friction of 0.1
-/// of what pushes the rod, and its torsion. As a rod rolls on something, what its nodes lack has
-/// one sign, and is felt as a drag across the rod, however little each of them lacks.
+/// of what pushes the rod, and its torsion. As a rod rolls far on something, what its nodes lack
+/// has one sign, and is felt as a drag across the rod, however little each of them lacks. Only
+/// nodes count that turn by more than a radian in the step.
 Real RodStep::imbalance_of_roll(const Rod& rod, const Dofs& force) const {
+  constexpr Real far = 1;  // rad
   constexpr Real friction = 0.1;
   const Stretches& stretches = rod.stretches();
   Real sum = 0, least = 0, most = 0, pushed = 0, torsion = 0;
@@ -282,6 +284,7 @@ Real RodStep::imbalance_of_roll(const Rod& rod, const Dofs& force) const {
     const bool leads = i + 1 < rod.nodes() && stretches.lead(i + 1) == i;
     if (leads || stretches.follows(i) || rod.is_clamped(i)) continue;
     const Vec3& along = tangent(rod.poses()[i]);
+    if (length_ * std::abs(along.dot(rod.velocity().segment<3>(6 * i + 3))) < far) continue;
     const Real moment = along.dot(force.segment<3>(6 * i + 3));
     sum += along.dot(guess_.missing.segment<3>(6 * i + 3)) / start_.dt + moment;
     torsion = std::max(torsion, guess_.at_work[i].roll + std::abs(moment));

@@ -58,13 +58,11 @@ TEST_P(ThreadOnBar, RollsFreely) {
   EXPECT_LT(most, (1 + c.most) * before);
 }
 
-// What is left turns the thread askew, and one that rolls askew is drawn along itself. At 20 ms
-// that makes 13 % with the default tolerance, 3 % with a hundredth of it.
+// Open: 20 ms, where the thread is dragged while it turns by less than a radian in a step.
 INSTANTIATE_TEST_SUITE_P(AtAnyStepAndAnyBeams, ThreadOnBar,
                          ::testing::Values(RollOnBar{"5 ms", "120", 0.03},
                                            RollOnBar{"10 ms", "120", 0.04},
-                                           RollOnBar{"10 ms", "240", 0.04},
-                                           RollOnBar{"20 ms", "120", 0.16}));
+                                           RollOnBar{"10 ms", "240", 0.04}));
 
 }  // namespace
 }  // namespace sutura::testing
