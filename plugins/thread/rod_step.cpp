@@ -278,9 +278,7 @@ Real RodStep::imbalance_of_roll(const Rod& rod, const Dofs& force) const {
   const Stretches& stretches = rod.stretches();
   Real sum = 0, least = 0, most = 0, pushed = 0, torsion = 0;
   for (Index i = 0; i < rod.nodes(); ++i) {
-    const ElementRest& beam = rod.element(std::min(i, rod.beams() - 1));
-    const Real radius = 2 * std::sqrt(beam.rotary * beam.length / beam.mass);
-    pushed += force.segment<3>(6 * i).norm() * radius;
+    pushed += force.segment<3>(6 * i).norm() * rod.section(std::min(i, rod.beams() - 1)).radius;
     const bool leads = i + 1 < rod.nodes() && stretches.lead(i + 1) == i;
     if (leads || stretches.follows(i) || rod.is_clamped(i)) continue;
     const Vec3& along = tangent(rod.poses()[i]);

@@ -62,8 +62,8 @@ TEST(PathFriction, PressureFromTheStiffnessOfEachLayer) {
   EXPECT_TRUE(none.ok());
 }
 
-// Each border is told to a sixteenth of a spacing; the stretch before the tip is longer than the
-// others. As many samples as there are in the thin layer by chance would be off by 0.4 mm or more.
+// Away from the tip each border is told to a sixteenth of a spacing. What the samples themselves
+// see of the thin layer, 1 mm or nothing, is off by 0.4 mm or more.
 TEST(PathFriction, ALayerThinnerThanTheSpacingOfSamples) {
   const Real soft = 20e3 / (std::numbers::pi * (1 - 0.45 * 0.45)), stiff = 5 * soft;
   for (const Real top : {3.6, 4.0, 4.3, 4.5}) {

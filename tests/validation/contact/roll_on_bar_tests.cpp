@@ -18,9 +18,9 @@ struct RollOnBar {
 class ThreadOnBar : public ::testing::TestWithParam<RollOnBar> {};
 
 // A thread lies half round a bar, drawn by 0.3 N at one end and held at the other by a hand in
-// which it is free to turn. The bar goes along its axis by 16 mm, so the thread turns by up to 16
-// rad in a step. It has nothing that would hold it back: the bar feels nothing along its axis, and
-// the hand what it felt before.
+// which it is free to turn. The bar goes along its axis by 16 mm, so the thread turns by 4 rad
+// in a mean step of 10 ms. It has nothing that would hold it back: the bar feels nothing along its
+// axis, and the hand what it felt before.
 //
 // What the nodes lack of balance about the tangents may be a thousandth of a friction, the default
 // tolerance of 0.01 times 0.1, of the 0.9 N that press the thread on the bar. With a limit for each
@@ -58,7 +58,9 @@ TEST_P(ThreadOnBar, RollsFreely) {
   EXPECT_LT(most, (1 + c.most) * before);
 }
 
-// Open: 20 ms, where the thread is dragged while it turns by less than a radian in a step.
+// At 1 ms the hand feels 1 % more while the bar moves. The rest of the bounds is for a drag within
+// its tolerance: it turns the thread askew, and one that rolls askew is drawn along itself. Open:
+// 20 ms, where it is drawn much more.
 INSTANTIATE_TEST_SUITE_P(AtAnyStepAndAnyBeams, ThreadOnBar,
                          ::testing::Values(RollOnBar{"5 ms", "120", 0.03},
                                            RollOnBar{"10 ms", "120", 0.04},
