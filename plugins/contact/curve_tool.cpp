@@ -12,7 +12,11 @@ namespace {
 constexpr Real margin = 1;           // a touch is built from this far, before there is one
 constexpr Real clearance = 0.5;      // a centreline may come as near to a surface on its way
 constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
-constexpr Real dip = 0.05;           // what a curve may be nearer than at its touches beside
+// What a curve may be nearer to the tool than at its touches beside: so much that the normal there
+// leans along the curve by `lean` rad, and within these bounds.
+constexpr Real least_dip = 1e-5;
+constexpr Real dip = 0.05;
+constexpr Real lean = 0.003;
 // In units of the length of a segment.
 constexpr Real at_node = 1e-3;  // this close to a node, the node says the same
 
@@ -182,9 +186,28 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
     const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts, 40);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
-    if (here < nearest - dip * radius)
+    if (here < nearest - dip_at(s, u, here))
       out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
   }
+}
+
+/// How much nearer the curve may be at u than where it is touched beside (m). With the distance
+/// growing by c s^2 / 2 from there, a touch that is higher by h has a normal that leans by
+/// sqrt(2 c h) along the curve, and drags it by as much of what presses. Where the curve is bent
+/// round the tool, so that its distance grows by less than three quarters of that of its tangent, no
+/// place is nearest by much, and any will do.
+Real CurveTool::dip_at(const CurveSegment& s, Real u, Real distance) const {
+  constexpr Real crosses = 0.75;
+  const Real beside = std::min({u, 1 - u, s.radius / s.length()});
+  const Real way = beside * s.length();
+  const Vec3 p = s.point(u), tangent = way * s.slope(u).normalized();
+  const auto rise = [&](const Vec3& before, const Vec3& after) {
+    return tool_.shape().at(before).distance + tool_.shape().at(after).distance - 2 * distance;
+  };
+  const Real curve = rise(s.point(u - beside), s.point(u + beside));
+  if (curve <= crosses * std::max(Real(0), rise(p - tangent, p + tangent))) return dip * s.radius;
+  const Real c = curve / (way * way);
+  return std::clamp(lean * lean / (2 * c), least_dip * s.radius, dip * s.radius);
 }
 
 CurveTool::Lowest CurveTool::lowest(const CurveSegment& s, Real exact) const {

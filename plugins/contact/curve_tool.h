@@ -33,6 +33,7 @@ class CurveTool : public ToolPair {
   /// The segment on which a node is, and where.
   std::pair<std::size_t, Real> place_of(std::size_t node) const;
   Real lowest_between(const CurveSegment& s, Real low, Real high, int halvings) const;
+  Real dip_at(const CurveSegment& s, Real u, Real distance) const;
   /// Where on the segment it is nearest to the tool. No point of it is nearer than `distance`,
   /// which is exact where it is less than `exact` (m).
   struct Lowest {

@@ -259,7 +259,7 @@ void Puncture::commit_front(const SolvedBlocks& solved) {
   if (!goes_through) {
     peak_force_ = std::max(peak_force_, force_);
     lifted_ = !(force_ > 0);
-    presses_ = (presses_ || !lifted_) && front_ != Front::layer;
+    presses_ = !lifted_ || (presses_ && front_ != Front::layer);
     place_ = front_;
     return;
   }

@@ -48,7 +48,9 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   bool is_beyond(const SurfacePoint& hit) const;
   bool is_beside(Real reach) const;
   Front find_exit();
-  Front find_layer();
+  bool find_layer(Real reach);
+  /// Of the tip, in the step so far (m).
+  Real motion() const;
   void find_walls_behind(bool anew);
   void commit_front(const SolvedBlocks& solved);
   void commit_walls_behind(const SolvedBlocks& solved);

@@ -12,6 +12,7 @@ constexpr Real well_inside = 0.01;  // one that is deeper than this has got in
 constexpr Real still_there = 1e-3;  // a tip that has slid no further than this has not slid
 constexpr Real behind = 0.1;        // from where, behind the tip, the front of a layer is sought
 constexpr Real found = 1e-6;        // and to which accuracy
+constexpr int looks = 20;           // on that way: a thinner layer than between two is not seen
 // A tip without force is free if the surface is no further than so many times its gap.
 constexpr Real as_far = 2;
 
@@ -22,7 +23,8 @@ constexpr Configuration start = Configuration::start;
 
 void Puncture::find_front() {
   // It presses from the side on which it is.
-  const bool stays = presses_ && path_->channel().tip_inside() == (place_ == Front::exit);
+  const bool stays = presses_ && place_ != Front::layer &&
+                     path_->channel().tip_inside() == (place_ == Front::exit);
   if (stays && keeps_place()) return;
   search_front();
   if (front_ == Front::none || front_ == Front::overrun) return;
@@ -38,9 +40,13 @@ void Puncture::search_front() {
   front_ = Front::none;
   if (!path_->channel().tip_inside()) {
     front_ = find_entry();
-  } else if (path_->channel().tip_at_end()) {
+  } else if (path_->channel().tip_at_end() || (presses_ && place_ == Front::layer)) {
+    // A tip that presses on a layer compresses what is behind it, and with that its own channel.
     front_ = find_exit();
-    if (front_ == Front::none) front_ = find_layer();
+    const Vec3 tip = path_->thread().point(0, start);
+    const bool exits = front_ == Front::exit;
+    if (find_layer(exits ? (touched_.position - tip).norm() : motion() + reach_))
+      front_ = Front::layer;
   }
 }
 
@@ -124,13 +130,12 @@ Puncture::Front Puncture::find_entry() {
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, start);
-  const Real motion = (thread.point(0, Configuration::current) - tip).norm();
   // A tip that presses stands below the surface of the mesh by the dent of its near field.
   const Real dent = footprint_.compliance() * threshold_here_;
   // Only what the needle points at: not the surface it has just left, on the other side of which
   // the next may lie at once (a slit, two lips of a wound).
   const Vec3 back = thread.tangent(0, start);
-  const auto hit = tissue.closest_surface(tip, motion + reach_ + dent, start, back);
+  const auto hit = tissue.closest_surface(tip, motion() + reach_ + dent, start, back);
   if (path_->channel().mouth_near(tip)) return Front::none;
   const bool deep = !hit || hit->distance < -reach_ - dent;
   if (!deep && is_beyond(*hit)) return Front::none;
@@ -182,8 +187,7 @@ Puncture::Front Puncture::find_exit() {
   const SolidBody& tissue = path_->tissue();
   const Vec3 tip = thread.point(0, start);
   const Vec3 forward = -thread.tangent(0, start);
-  const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  auto hit = tissue.crossing(tip, tip + reach * forward, start, forward);
+  auto hit = tissue.crossing(tip, tip + (reach_ + motion()) * forward, start, forward);
   // In the step in which it got in, the tip may have gone on through a thin sheet.
   if (!hit && !tissue.locate(tip, start)) hit = tissue.closest_surface(tip, reach_, start, forward);
   if (!hit) return Front::none;
@@ -200,13 +204,13 @@ void Puncture::find_walls_behind(bool anew) {
   if (front_ != Front::entry && front_ != Front::exit) return;
   const CurveBody& thread = path_->thread();
   const SolidBody& tissue = path_->tissue();
-  const Real motion = (thread.point(0, Configuration::current) - thread.point(0, start)).norm();
-  if (!anew && motion <= sought_) return;
-  sought_ = motion;
+  const Real way = motion();
+  if (!anew && way <= sought_) return;
+  sought_ = way;
   const Vec3 forward = -thread.tangent(0, start);
   const Vec3 first = tissue.position(touched_.at, start);
   const Real dent = (first - tissue.position(touched_.at, Configuration::rest)).norm();
-  const Vec3 to = first + (reach_ + motion + dent) * forward;
+  const Vec3 to = first + (reach_ + way + dent) * forward;
   for (; walls_behind_ < most_walls; ++walls_behind_) {
     const Wall* before = walls_behind_ > 0 ? &behind_[walls_behind_ - 1] : nullptr;
     Wall& wall = behind_[walls_behind_];
@@ -223,42 +227,45 @@ void Puncture::find_walls_behind(bool anew) {
   }
 }
 
-/// The tip stands before a layer with a threshold of its own. The mesh has no surface there: the
-/// front is where the region changes along the needle, and its normal is the needle's axis.
-Puncture::Front Puncture::find_layer() {
+Real Puncture::motion() const {
   const CurveBody& thread = path_->thread();
+  return (thread.point(0, Configuration::current) - thread.point(0, start)).norm();
+}
+
+/// Whether the tip stands before a layer with a threshold of its own, up to `reach` ahead. The mesh
+/// has no surface there: the front is where the region changes along the needle, and its normal is
+/// the needle's axis.
+bool Puncture::find_layer(Real reach) {
   const SolidBody& tissue = path_->tissue();
-  const Vec3 tip = thread.point(0, start);
-  const Vec3 forward = -thread.tangent(0, start);
-  const Real reach = reach_ + (thread.point(0, Configuration::current) - tip).norm();
-  const auto beyond = tissue.locate(tip + reach * forward, start);
-  if (!beyond) return Front::none;
-  const int next = tissue.region(*beyond);
-  if (next == region_) return Front::none;
-  if (!has_threshold(next)) {
-    const auto here = tissue.locate(tip, start);
-    if (here) region_ = tissue.region(*here);
-    return Front::none;
+  const Vec3 tip = path_->thread().point(0, start);
+  const Vec3 forward = -path_->thread().tangent(0, start);
+  const auto ahead = [&](Real way) { return tissue.locate(tip + way * forward, start); };
+  const auto here = ahead(0);
+  if (here && !has_threshold(tissue.region(*here))) region_ = tissue.region(*here);
+
+  std::optional<EmbeddedPoint> at;
+  Real low = -behind * reach_, high = low;
+  for (int k = 0; k <= looks && !at; ++k) {
+    low = high;
+    high = -behind * reach_ + (reach + behind * reach_) * k / looks;
+    at = ahead(high);
+    if (at && (tissue.region(*at) == region_ || !has_threshold(tissue.region(*at)))) at.reset();
   }
-  Real low = -behind * reach_;
-  Real high = reach;
-  EmbeddedPoint at = *beyond;
+  if (!at) return false;
+  const int next = tissue.region(*at);
   while (high - low > found * reach_) {
     const Real middle = 0.5 * (low + high);
-    const auto p = tissue.locate(tip + middle * forward, start);
-    if (p && tissue.region(*p) == next) {
-      high = middle;
-      at = *p;
-    } else {
-      low = middle;
-    }
+    const auto p = ahead(middle);
+    const bool is_there = p && tissue.region(*p) == next;
+    if (is_there) at = p;
+    (is_there ? high : low) = middle;
   }
-  touched_ = {.at = at,
+  touched_ = {.at = *at,
               .triangle = -1,
-              .position = tissue.position(at, start),
+              .position = tissue.position(*at, start),
               .normal = -forward,
               .distance = high};
-  return Front::layer;
+  return true;
 }
 
 }  // namespace sutura::suturing

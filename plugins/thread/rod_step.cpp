@@ -268,13 +268,14 @@ Imbalance RodStep::imbalance(const Rod& rod, const Dofs& force) const {
   return worst;
 }
 
-/// What is missing about the tangents, summed over any stretch of the rod, beside a friction of 0.1
-/// of what pushes the rod, and its torsion. As a rod rolls far on something, what its nodes lack
-/// has one sign, and is felt as a drag across the rod, however little each of them lacks. Only
-/// nodes count that turn by more than a radian in the step.
+/// What is missing about the tangents, summed over any stretch of the rod, beside a friction of
+/// 0.01 of what pushes the rod, and its torsion. As a rod rolls far on something, what its nodes
+/// lack has one sign, and is felt as a drag across the rod, however little each of them lacks. Only
+/// nodes count that turn by more than a radian in the step, or would if they went on as they began:
+/// where they do not turn at the guess, they are dragged.
 Real RodStep::imbalance_of_roll(const Rod& rod, const Dofs& force) const {
   constexpr Real far = 1;  // rad
-  constexpr Real friction = 0.1;
+  constexpr Real friction = 0.01;
   const Stretches& stretches = rod.stretches();
   Real sum = 0, least = 0, most = 0, pushed = 0, torsion = 0;
   for (Index i = 0; i < rod.nodes(); ++i) {
@@ -282,7 +283,10 @@ Real RodStep::imbalance_of_roll(const Rod& rod, const Dofs& force) const {
     const bool leads = i + 1 < rod.nodes() && stretches.lead(i + 1) == i;
     if (leads || stretches.follows(i) || rod.is_clamped(i)) continue;
     const Vec3& along = tangent(rod.poses()[i]);
-    if (length_ * std::abs(along.dot(rod.velocity().segment<3>(6 * i + 3))) < far) continue;
+    const auto turn = [&](const DofVector& velocity) {
+      return length_ * std::abs(along.dot(velocity.segment<3>(6 * i + 3)));
+    };
+    if (std::max(turn(rod.velocity()), turn(start_.velocity)) < far) continue;
     const Real moment = along.dot(force.segment<3>(6 * i + 3));
     sum += along.dot(guess_.missing.segment<3>(6 * i + 3)) / start_.dt + moment;
     torsion = std::max(torsion, guess_.at_work[i].roll + std::abs(moment));

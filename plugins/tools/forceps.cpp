@@ -232,13 +232,14 @@ void Forceps::commit(const StepContext&, const SolvedBlocks& solved) {
   const Vec3 centre = placed(Configuration::current).position;
   for (Piece& piece : pieces_) {
     const Target& target = targets_[static_cast<std::size_t>(piece.target)];
+    piece.slid = false;
     for (Point& p : piece.points) {
       const Vec3 force = solved.force(p.along) + solved.force(p.across);
       applied_.force += force;
       applied_.moment += (position(target, p) - centre).cross(force);
       p.stretch = p.gap.head<2>();
       if (solved.mode(p.along) == Bilateral<2>::capped) {
-        sliding_ = true;
+        sliding_ = piece.slid = true;
         const Real share = piece.share / piece.left * p.part;
         p.stretch = -solved.lambda(p.along) / (stiffness_ * share);
       }
@@ -248,6 +249,8 @@ void Forceps::commit(const StepContext&, const SolvedBlocks& solved) {
   drop_what_is_out();
 }
 
+/// What has not slid is held where it was taken. Taken anew in every step, a strand that leaves the
+/// jaws through their faces across 'axis' would be let through by as much as the grip gives way.
 void Forceps::follow_strands() {
   const Pose frame = placed(Configuration::current);
   for (std::size_t i = 0; i < targets_.size(); ++i) {
@@ -264,10 +267,8 @@ void Forceps::follow_strands() {
             return (a.middle - piece.place).norm() < (b.middle - piece.place).norm();
           });
       if (nearest == stretches.end() || (nearest->middle - piece.place).norm() > reach) return true;
-      for (Point& p : piece.points) {
-        const std::size_t number = static_cast<std::size_t>(&p - piece.points.data());
-        p.s = nearest->low + sections[number / 2] * (nearest->high - nearest->low);
-      }
+      for (std::size_t k = 0; k < piece.points.size() && piece.slid; ++k)
+        piece.points[k].s = nearest->low + sections[k / 2] * (nearest->high - nearest->low);
       piece.place = nearest->middle;
       stretches.erase(nearest);
       return false;

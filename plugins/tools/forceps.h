@@ -67,13 +67,14 @@ class Forceps : public Component,
     Vec3 place = Vec3::Zero();  ///< of a strand: its middle, seen from the jaws (m)
     Real share = 1;             ///< of strength and stiffness
     Real left = 1;              ///< part of what was taken that is still between the jaws
+    bool slid = false;          ///< in the last step
     std::vector<Point> points;
   };
 
   void take();
   void take_strand(Index target, const JawSpace::Stretch& stretch);
   void take_patch(Index target);
-  /// Strands move on through the jaws: other material is between them now.
+  /// Strands that slide move on through the jaws: other material is between them now.
   void follow_strands();
   void drop_what_is_out();
   /// How flat closed jaws may press what they have taken without a force between strands.
