@@ -194,8 +194,8 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
 /// How much nearer the curve may be at u than where it is touched beside (m). With the distance
 /// growing by c s^2 / 2 from there, a touch that is higher by h has a normal that leans by
 /// sqrt(2 c h) along the curve, and drags it by as much of what presses. Where the curve is bent
-/// round the tool, so that its distance grows by less than three quarters of that of its tangent, no
-/// place is nearest by much, and any will do.
+/// round the tool, so that its distance grows by less than three quarters of that of its tangent,
+/// no place is nearest by much, and any will do.
 Real CurveTool::dip_at(const CurveSegment& s, Real u, Real distance) const {
   constexpr Real crosses = 0.75;
   const Real beside = std::min({u, 1 - u, s.radius / s.length()});

@@ -243,20 +243,27 @@ bool Puncture::find_layer(Real reach) {
   const auto here = ahead(0);
   if (here && !has_threshold(tissue.region(*here))) region_ = tissue.region(*here);
 
+  // The layer begins ahead: one that the tip has left may lie behind it, or spring back over it.
+  constexpr int nowhere = -1;
+  const auto region_at = [&](const std::optional<EmbeddedPoint>& p) {
+    return p ? tissue.region(*p) : nowhere;
+  };
   std::optional<EmbeddedPoint> at;
-  Real low = -behind * reach_, high = low;
-  for (int k = 0; k <= looks && !at; ++k) {
+  Real low = 0, high = -behind * reach_;
+  int before = region_at(ahead(high)), next = before;
+  const auto is_new = [&] { return next != before && next != region_ && has_threshold(next); };
+  for (int k = 1; k <= looks && !is_new(); ++k) {
+    before = next;
     low = high;
     high = -behind * reach_ + (reach + behind * reach_) * k / looks;
     at = ahead(high);
-    if (at && (tissue.region(*at) == region_ || !has_threshold(tissue.region(*at)))) at.reset();
+    next = region_at(at);
   }
-  if (!at) return false;
-  const int next = tissue.region(*at);
+  if (!is_new()) return false;
   while (high - low > found * reach_) {
     const Real middle = 0.5 * (low + high);
     const auto p = ahead(middle);
-    const bool is_there = p && tissue.region(*p) == next;
+    const bool is_there = region_at(p) == next;
     if (is_there) at = p;
     (is_there ? high : low) = middle;
   }

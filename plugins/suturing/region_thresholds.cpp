@@ -10,10 +10,13 @@ void RegionThresholds::find_regions(const Component& who, Setup& setup, const So
   std::istringstream names(text_);
   for (std::string name; names >> name; ++count) {
     std::string error;
-    if (const std::optional<int> tag = tissue.find_region(name, error))
-      regions_.push_back(*tag);
-    else
+    const std::optional<int> tag = tissue.find_region(name, error);
+    if (!tag)
       setup.error(who, "regions: " + error);
+    else if (has_threshold(*tag))
+      setup.error(who, "regions: '" + name + "' is named twice");
+    else
+      regions_.push_back(*tag);
   }
   if (count != thresholds_.size())
     setup.error(who, "'regions' names " + std::to_string(count) +

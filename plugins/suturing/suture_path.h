@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "channel.h"
@@ -53,6 +55,12 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   /// One per sample on the thread, in the order of passage; none before this step's `detect`.
   std::span<const Crossing> crossings() const { return {crossings_.data(), sample_crossings_}; }
   Real spacing() const { return spacing_; }
+  /// Of each kind of law one acts on a path. Complains of a second one.
+  void take(const Component& law, Setup& setup) {
+    const std::string& kind = law.info().name;
+    if (!laws_.insert(kind).second)
+      setup.error(law, "a second " + kind + " on this path: the forces of both would add up");
+  }
   /// What holds the tip from the inside: a surface or a layer. Through it the puncture law decides.
   struct Block {
     Vec3 normal;  ///< unit, on the side where the tip is
@@ -79,6 +87,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Real strength_ = 0;  ///< N/m; 0: without limit
   bool sewn_ = false;
   Index source_id_ = 0;
+  std::set<std::string> laws_;  ///< names of the components that act on it
   std::optional<Channel> channel_;
   std::vector<Crossing>
       crossings_;  ///< samples on the thread, then the end of the channel if the tip is there
