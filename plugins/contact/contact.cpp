@@ -24,6 +24,12 @@ constexpr Real slow = 1e-4;  // m/s
 // One that is open by more, of the gap from which on touches are built, may be left out of a pass.
 constexpr Real idle = 0.1;
 
+class Nowhere : public TouchedPlaces {
+ public:
+  Real between(Real, Real) const override { return std::numeric_limits<Real>::quiet_NaN(); }
+};
+const Nowhere nowhere;
+
 }  // namespace
 
 void Contact::describe(Describe<Contact>& d) {
@@ -49,9 +55,12 @@ void Contact::describe(Describe<Contact>& d) {
   d.attribute("static_friction", &Contact::static_friction_, "1", between(0, 100),
               "The same at rest, if it is larger: what lies still holds up to it, what slides is "
               "dragged with 'friction'.");
-  d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
-              "By how much the surfaces give way along the normal under a force at one touch; 0: "
-              "they are hard. A thread of diameter d gives about 1 / (E d) across.");
+  d.attribute(
+      "compliance", &Contact::compliance_, "m/N", between(0, 1e6),
+      "By how much the surfaces give way along the normal under a force at one touch; 0: "
+      "they are hard. A thread of diameter d gives about 1 / (E d) across. Each touch gives "
+      "way on its own: several close together are stiffer, and strands that slide may have "
+      "several where they had one.");
   d.output("force", "N",
            "Of all touches on the first. Of one that touches itself it says nothing: what one side "
            "of a touch gets, the other gives.",
@@ -150,13 +159,29 @@ void Contact::detect(const StepContext& context) {
     memory_.begin_step();
     pair_->begin_step();
   }
-  pair_->find(memory_, touches_);
+  pair_->find(keeps_places() ? static_cast<const TouchedPlaces&>(memory_) : nowhere, touches_);
+  if (!keeps_places()) drop_beside_nearer();
   memory_.recognise(touches_, *pair_);
+}
+
+/// Where a thread is nearest between two nodes, these do not give way beside it.
+void Contact::drop_beside_nearer() {
+  nearest_.clear();
+  for (const Touch& t : touches_)
+    if (t.between_nodes) nearest_.push_back(t);
+  std::erase_if(touches_, [&](const Touch& t) {
+    if (t.between_nodes) return false;
+    const Pair::Tolerance near = pair_->tolerance(t);
+    return std::any_of(nearest_.begin(), nearest_.end(), [&](const Touch& other) {
+      return other.gap < t.gap && std::abs(other.first_place - t.first_place) < 4 * near.first &&
+             std::abs(other.second_place - t.second_place) < 2 * near.second;
+    });
+  });
 }
 
 void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
   blocks_.clear();
-  keep_what_carries(builder);
+  if (keeps_places()) keep_what_carries(builder);
   // What the compliance asks for is no overlap that a step has left.
   for (Touch& t : touches_) t.left = std::max(Real(0), t.left - compliance_ * t.pressed);
   for (const Touch& t : touches_) {

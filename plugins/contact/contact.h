@@ -36,12 +36,18 @@ class Contact : public Component, public ConstraintSource {
  private:
   /// Touches of the pass before that carried force are touches of this one.
   void keep_what_carries(const ConstraintBuilder& builder);
+  void drop_beside_nearer();
   void stiffen(const StepContext& context, const Touch& touch, ConstraintBuilder& builder);
   std::unique_ptr<Pair> make_pair(Setup& setup) const;
 
   Link<Body> first_, second_;
   Link<RigidTool> tool_;
   bool is_sticky() const { return static_friction_ > friction_; }
+  /// Places of a thread that were touched stay touches. Not where each gives way on its own: the
+  /// more there are, the stiffer they would be together.
+  bool keeps_places() const {
+    return compliance_ == 0 || dynamic_cast<const CurveBody*>(first_.get()) == nullptr;
+  }
   bool has_friction() const { return std::max(friction_, static_friction_) > 0; }
 
   Real friction_ = 0.2, static_friction_ = 0;
@@ -51,6 +57,7 @@ class Contact : public Component, public ConstraintSource {
   std::unique_ptr<Pair> pair_;
   ContactMemory memory_;
   std::vector<Touch> touches_;
+  std::vector<Touch> nearest_;  ///< memory of `drop_beside_nearer`
   std::vector<BlockId> blocks_;
   Vec3 force_ = Vec3::Zero();  ///< on the first
   Index closed_ = 0;

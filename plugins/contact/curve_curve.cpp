@@ -244,8 +244,9 @@ void CurveCurve::meet(std::size_t i, std::size_t j, const TouchedPlaces& before,
   // Where strands are deep in each other the nearest place always is a touch: beside one that is
   // pushed apart they may come closer.
   const bool is_deep = end.distance < (1 - 2 * dip) * R;
-  if (is_on_a && is_on_b(end) && (is_deep || end.distance < nearest - nearer * R))
-    out.push_back(touch_at(i, j, end));
+  if (!is_on_a || !is_on_b(end) || !(is_deep || end.distance < nearest - nearer * R)) return;
+  out.push_back(touch_at(i, j, end));
+  out.back().between_nodes = true;
 }
 
 /// At the place of the first, wherever on the segments about that of the second is nearest to it.

@@ -230,7 +230,9 @@ void CurveSurface::meet(std::size_t i, const TouchedPlaces& before, std::vector<
   }
   // What is nearer than it may come sticks in the surface, or is on its way through from inside.
   if (lowest.distance < clearance * r) return;
-  if (lowest.triangle >= 0) touch(i, lowest, out);
+  if (lowest.triangle < 0) return;
+  touch(i, lowest, out);
+  out.back().between_nodes = true;
 }
 
 /// A foot on an edge or at a node, of which another triangle there is nearer, is none. So a side

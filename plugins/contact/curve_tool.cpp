@@ -13,7 +13,7 @@ constexpr Real margin = 1;           // a touch is built from this far, before t
 constexpr Real clearance = 0.5;      // a centreline may come as near to a surface on its way
 constexpr Real arc = clearance / 2;  // so far off its straight way it does not get through
 // What a curve may be nearer to the tool than at its touches beside: so much that the normal there
-// leans along the curve by `lean` rad, and within these bounds.
+// is turned by `lean` rad, and within these bounds.
 constexpr Real least_dip = 1e-5;
 constexpr Real dip = 0.05;
 constexpr Real lean = 0.003;
@@ -186,16 +186,17 @@ void CurveTool::find_inside(std::size_t i, const TouchedPlaces& before, std::vec
     const Real u = lowest_between(s, Real(k - 1) / parts, Real(k + 1) / parts, 40);
     const Real here = from_tool(s, u).distance;
     if (u < at_node || u > 1 - at_node || !is_near(here)) continue;
-    if (here < nearest - dip_at(s, u, here))
-      out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
+    if (!(here < nearest - dip_at(s, u, here))) continue;
+    out.push_back(touch_at(i, u, tool_.shape().facet(s.point(u))));
+    out.back().between_nodes = true;
   }
 }
 
-/// How much nearer the curve may be at u than where it is touched beside (m). With the distance
-/// growing by c s^2 / 2 from there, a touch that is higher by h has a normal that leans by
-/// sqrt(2 c h) along the curve, and drags it by as much of what presses. Where the curve is bent
-/// round the tool, so that its distance grows by less than three quarters of that of its tangent,
-/// no place is nearest by much, and any will do.
+/// How much nearer the curve may be at u than where it is touched beside (m). The distance grows by
+/// c s^2 / 2 along the curve, and by c' s^2 / 2 along its tangent. So the normal at a touch that is
+/// higher by h is turned by c' sqrt(2 h / c), and drags the curve by as much of what presses.
+/// A curve that is bent round the tool turns with the normal: no place of it is nearest by much,
+/// and any will do. On a flat face the normal is the same everywhere.
 Real CurveTool::dip_at(const CurveSegment& s, Real u, Real distance) const {
   constexpr Real crosses = 0.75;
   const Real beside = std::min({u, 1 - u, s.radius / s.length()});
@@ -204,10 +205,11 @@ Real CurveTool::dip_at(const CurveSegment& s, Real u, Real distance) const {
   const auto rise = [&](const Vec3& before, const Vec3& after) {
     return tool_.shape().at(before).distance + tool_.shape().at(after).distance - 2 * distance;
   };
-  const Real curve = rise(s.point(u - beside), s.point(u + beside));
-  if (curve <= crosses * std::max(Real(0), rise(p - tangent, p + tangent))) return dip * s.radius;
-  const Real c = curve / (way * way);
-  return std::clamp(lean * lean / (2 * c), least_dip * s.radius, dip * s.radius);
+  const Real along_curve = rise(s.point(u - beside), s.point(u + beside));
+  const Real along_tangent = rise(p - tangent, p + tangent);
+  if (!(along_tangent > 0) || along_curve < crosses * along_tangent) return dip * s.radius;
+  const Real turned = lean * way / along_tangent;
+  return std::clamp(turned * turned * along_curve / 2, least_dip * s.radius, dip * s.radius);
 }
 
 CurveTool::Lowest CurveTool::lowest(const CurveSegment& s, Real exact) const {

@@ -30,6 +30,7 @@ struct Touch {
   /// per length (1/m), and along which direction. Where it counts for nothing, 0.
   Real first_bend = 0, second_bend = 0;
   Vec3 first_tangent = Vec3::Zero(), second_tangent = Vec3::Zero();
+  bool between_nodes = false;     ///< of a curve: where it is nearest, nearer than its nodes
   Real pressed = 0;               ///< normal force as the step begins (N)
   bool carries = false;           ///< force, at the end of the step
   Real slipped = 0;               ///< in the step, across the normal (m); infinite without friction
