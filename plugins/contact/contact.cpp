@@ -24,6 +24,7 @@ constexpr Real slow = 1e-4;  // m/s
 // One that is open by more, of the gap from which on touches are built, may be left out of a pass.
 constexpr Real idle = 0.1;
 
+/// Instead of the memory of a contact that keeps no places.
 class Nowhere : public TouchedPlaces {
  public:
   Real between(Real, Real) const override { return std::numeric_limits<Real>::quiet_NaN(); }
@@ -55,12 +56,9 @@ void Contact::describe(Describe<Contact>& d) {
   d.attribute("static_friction", &Contact::static_friction_, "1", between(0, 100),
               "The same at rest, if it is larger: what lies still holds up to it, what slides is "
               "dragged with 'friction'.");
-  d.attribute(
-      "compliance", &Contact::compliance_, "m/N", between(0, 1e6),
-      "By how much the surfaces give way along the normal under a force at one touch; 0: "
-      "they are hard. A thread of diameter d gives about 1 / (E d) across. Each touch gives "
-      "way on its own: several close together are stiffer, and strands that slide may have "
-      "several where they had one.");
+  d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
+              "By how much the surfaces give way along the normal under a force at one touch; 0: "
+              "they are hard. A thread of diameter d gives about 1 / (E d) across.");
   d.output("force", "N",
            "Of all touches on the first. Of one that touches itself it says nothing: what one side "
            "of a touch gets, the other gives.",

@@ -50,8 +50,8 @@ void Puncture::describe(Describe<Puncture>& d) {
       "fault of the step.");
   d.attribute("reach", &Puncture::reach_, "m", between(1e-6, 1e3),
               "Distance at which the tip looks for the next surface or layer, beyond its motion in "
-              "a step; deeper than this "
-              "inside without a puncture, it counts as an overrun.");
+              "a step; a layer thinner than a twentieth of both may not be seen. Deeper than this "
+              "inside without a puncture, the tip counts as an overrun.");
   d.output("force", "N",
            "Force of the surface on the tip: along the normal while it presses, along the needle "
            "in the step in which it goes through.",
