@@ -43,20 +43,22 @@ Pulled pull(const std::string& start, Real seconds) {
   return out;
 }
 
-// Strands of a knot roll as it is drawn together. A tolerance that is blind to roll leaves a
-// friction in every step, and all of it has one sign: the legs felt 15 % too much here. The knot is
-// laid out far from balance, and the first step finds one of several states that it springs to. The
-// legs remember it, by 7 mN; what they feel more from 0.1 s on differs by 6 % at 1 to 5 ms.
+// Strands of a knot roll as it is drawn together, and a tolerance that is blind to roll leaves a
+// friction in every step, all of it with one sign (15 % of the force on an earlier code). The knot
+// is laid out far from balance, and the first step finds one of several states that it springs to:
+// the legs remember it, by 7 mN. What they feel more from 0.1 to 0.5 s does not depend on
+// that: 75.2 to 75.6 mN at 2.5 to 10 ms, with either tolerance. Blind to roll these two differ
+// by 1.3 %.
 TEST(Slip, WhileItIsTightenedItPullsAsWithATenthOfTheTolerance) {
   const auto legs = [](const std::string& tolerance) {
     TextRun world = TextRun::file("knots/slip.xml", {{".tolerance", tolerance}});
     world.run(0.1);
     const Real before = world.vector("/left", "force").norm();
-    world.run(0.3);
+    world.run(0.5);
     return world.vector("/left", "force").norm() - before;
   };
   const Real fine = legs("0.001");
-  EXPECT_NEAR(legs("0.01"), fine, 0.1 * fine);
+  EXPECT_NEAR(legs("0.01"), fine, 0.01 * fine);
 }
 
 TEST(Slip, AGrannySlipsWhereASquareKnotHolds) {
