@@ -31,7 +31,7 @@ void Cutting::describe(Describe<Cutting>& d) {
 
 void Cutting::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  path_->take(*this, setup);
+  path_->add_law(*this, setup);
   find_regions(*this, setup, path_->tissue());
 }
 

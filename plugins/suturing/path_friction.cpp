@@ -84,7 +84,7 @@ void PathFriction::describe(Describe<PathFriction>& d) {
 
 void PathFriction::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  path_->take(*this, setup);
+  path_->add_law(*this, setup);
   static_over_kinetic_ =
       coefficient_ > 0 ? std::max(static_coefficient_ / coefficient_, Real(1)) : Real(1);
   blocks_.reserve(256);

@@ -77,7 +77,7 @@ void Puncture::describe(Describe<Puncture>& d) {
 
 void Puncture::initialise(Setup& setup) {
   source_id_ = setup.source_id;
-  path_->take(*this, setup);
+  path_->add_law(*this, setup);
   find_regions(*this, setup, path_->tissue());
 }
 

@@ -56,7 +56,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   std::span<const Crossing> crossings() const { return {crossings_.data(), sample_crossings_}; }
   Real spacing() const { return spacing_; }
   /// Of each kind of law one acts on a path. Complains of a second one.
-  void take(const Component& law, Setup& setup) {
+  void add_law(const Component& law, Setup& setup) {
     const std::string& kind = law.info().name;
     if (!laws_.insert(kind).second)
       setup.error(law, "a second " + kind + " on this path: the forces of both would add up");

@@ -67,7 +67,7 @@ class Forceps : public Component,
     Vec3 place = Vec3::Zero();  ///< of a strand: its middle, seen from the jaws (m)
     Real share = 1;             ///< of strength and stiffness
     Real left = 1;              ///< part of what was taken that is still between the jaws
-    bool slid = false;          ///< in the last step
+    bool slid = false;          ///< in the last step; needed only as that ends
     std::vector<Point> points;
   };
 
