@@ -62,6 +62,8 @@ struct ConstraintBlock {
   Mode mode = 0;
   bool redundant = false;  ///< see ConstraintBuilder::mark_redundant
   Real idle_beyond = std::numeric_limits<Real>::infinity();  ///< see ConstraintBuilder::may_idle
+  bool timed = false;      ///< see ConstraintBuilder::time_event
+  Real precision = std::numeric_limits<Real>::infinity();  ///< see ConstraintBuilder::keep_within
   Real violation = 0;      ///< on exit of a solve: how far from its law (m)
   Vec3 at = Vec3::Zero();  ///< where it acts (m)
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda
@@ -124,6 +126,11 @@ class ConstraintBuilder {
   /// out as long as it carries nothing and is open by more than `beyond` (m), and takes it in where
   /// the answer of the bodies closes it.
   void may_idle(BlockId block, Real beyond);
+  /// This block is to obey its law to so much (m) at the end of the step, where that is less than
+  /// what the scene allows: what it misses adds up over steps.
+  void keep_within(BlockId block, Real precision);
+  /// When the event of this block happens matters: the step is divided there, as far as it may be.
+  void time_event(BlockId block);
   /// The force with which a block begins whose key was not there before (N, one per row): of a
   /// touch that has been without rows for a while.
   template <int N>

@@ -24,6 +24,13 @@ constexpr Real slow = 1e-4;  // m/s
 // One that is open by more, of the gap from which on touches are built, may be left out of a pass.
 constexpr Real idle = 0.1;
 
+// Friction has the direction of the slip. Where a thread rolls it does not slip, and what a step
+// misses of that is taken for slip: it turns friction away from the thread, which gives way along
+// itself. So where the thread turns by more than `rolls` in a step, slip is to be known to
+// `closely`, both in units of its radius.
+constexpr Real rolls = 0.1;
+constexpr Real closely = 1e-3;
+
 /// Instead of the memory of a contact that keeps no places.
 class Nowhere : public TouchedPlaces {
  public:
@@ -202,6 +209,10 @@ void Contact::build(const StepContext& context, ConstraintBuilder& builder) {
               : builder.add<Coulomb>(key, {friction_, compliance_}, gap, t.mode));
       builder.begin_with<3>(blocks_.back(), t.lambda);
       pair_->couple(t, blocks_.back(), axes, builder);
+      const Real radius = t.first_arm.norm();
+      const bool slips = StaticFriction::state(builder.known_mode(key, t.mode)) == Friction::slip;
+      if (slips && pair_->rolled(t) > rolls * radius)
+        builder.keep_within(blocks_.back(), closely * radius);
     } else {
       blocks_.push_back(
           builder.add<Unilateral>(key, {compliance_}, BlockVector<1>(t.gap + t.left), t.mode));

@@ -302,6 +302,13 @@ Vec3 CurveSurface::slip(const Touch& t) const {
          surface_.moved(t.triangle, t.weights);
 }
 
+Real CurveSurface::rolled(const Touch& t) const {
+  const Pose still;
+  return (moved_on(still, still, curve_, t.first_place, t.first_arm) -
+          moved_on(still, still, curve_, t.first_place, Vec3::Zero()))
+      .norm();
+}
+
 void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,
                           ConstraintBuilder& builder) const {
   PointJacobian J;

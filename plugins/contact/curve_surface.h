@@ -17,6 +17,7 @@ class CurveSurface : public Pair {
       : curve_(curve), surface_(std::move(boundary)), passage_(passage) {}
   Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
+  Real rolled(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
   void tell_force(const Touch& touch, const Vec3& force) override {

@@ -275,6 +275,13 @@ Vec3 CurveTool::slip(const Touch& t) const {
                   t.first_place, t.first_arm);
 }
 
+Real CurveTool::rolled(const Touch& t) const {
+  const Vec3 of_centre = moved_on(tool_.placed(Configuration::start),
+                                  tool_.placed(Configuration::current), curve_, t.first_place,
+                                  Vec3::Zero());
+  return (slip(t) - of_centre).norm();
+}
+
 void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,
                        ConstraintBuilder& builder) const {
   PointJacobian J;

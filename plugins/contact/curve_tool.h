@@ -13,6 +13,7 @@ class CurveTool : public ToolPair {
   bool find_again(Real first, Real second, Touch& touch) const override;
   Real built_from(const Touch& touch) const override;
   Vec3 slip(const Touch& touch) const override;
+  Real rolled(const Touch& touch) const override;
   void couple(const Touch& touch, BlockId block, const Directions& axes,
               ConstraintBuilder& builder) const override;
   Real distance() const override;

@@ -84,6 +84,8 @@ class Pair {
   virtual Real built_from(const Touch& touch) const = 0;
   /// How far the first has moved over the step relative to the second, at the touch (m).
   virtual Vec3 slip(const Touch& touch) const = 0;
+  /// How far the surface of a thread has rolled over the step there (m).
+  virtual Real rolled(const Touch& /*touch*/) const { return 0; }
   virtual void couple(const Touch& touch, BlockId block, const Directions& axes,
                       ConstraintBuilder& builder) const = 0;
   /// Row of how far one of the two shifts along the other: its centre along `direction`, as seen

@@ -216,6 +216,7 @@ BlockId Puncture::add_block(ConstraintBuilder& builder, Front front, const Footp
       builder.add<PunctureLaw>(key_of(front, count), params, BlockVector<3>(gap),
                                PunctureLaw::pressing, {.force = params.puncture_force});
   const Directions world = Mat3::Identity();
+  builder.time_event(block);
   PointJacobian J;
   thread.jacobian(0, J);
   builder.couple(block, thread, world, J, tip);

@@ -213,6 +213,7 @@ void SutureThread::bear(const std::vector<LimitTension>& limits) {
 
 /// Of a beam: of its elastic thread, of its viscosity, and what limits of stretch bear.
 Real SutureThread::tension_of(Index beam, const ElementState& state) const {
+  if (rod_.is_cut(beam)) return 0;
   Real sum = state.tension + step_.viscous_tension(beam);
   const Real at = middle(beam);
   for (const LimitTension& limit : limits_)
@@ -379,7 +380,7 @@ BodyGeometry SutureThread::geometry() const {
     g.connectivity.push_back(e + 1);
     rod_.element_state(e, s);
     radius_field.values.push_back(rod_.section(e).radius);
-    tension.values.push_back(s.tension);
+    tension.values.push_back(tension_of(e, s));
     bend.values.push_back(beam_curvature(rod_, e));
   }
   g.fields = {velocity, abscissa, drawn, radius_field, tension, bend};

@@ -184,6 +184,8 @@ std::string SutureThread::settle(const Vec3& gravity) {
   // A millionth of what acts; and a nanonewton, about what rounding leaves in a steel needle.
   const Real acting = rod_.mass() * gravity.norm() + load().norm();
   const StaticReport report = equilibrium(rod_, gravity, load(), 1e-9 + 1e-6 * acting);
+  for (NodeSpring& spring : rod_.springs())
+    if (spring.active) spring.applied = spring.wrench(rod_.poses()[spring.node]);
   if (report.converged) return {};
   return "no balance was found, " + format_real(report.residual) +
          " N are left; lay the thread out closer to where it is to hang";

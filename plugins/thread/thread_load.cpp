@@ -1,5 +1,6 @@
 #include "thread_load.h"
 
+#include "sutura/archive.h"
 #include "sutura/units.h"
 
 namespace sutura::thread {
@@ -35,6 +36,10 @@ void ThreadLoad::initialise(Setup& setup) {
   setup.warn_of_hidden_start(*this, times_);
   schedule_ = Schedule(times_, factors_);
   section_ = thread_->add_hold(at_);
+}
+
+void ThreadLoad::archive(Archive& a) {
+  a("factor", factor_);
 }
 
 void ThreadLoad::drive(const StepContext& context) {

@@ -15,6 +15,7 @@ class ThreadLoad : public Component, public Driver {
   static void describe(Describe<ThreadLoad>& d);
   void initialise(Setup& setup) override;
   void drive(const StepContext& context) override;
+  void archive(Archive& archive) override;
 
  private:
   Link<SutureThread> thread_;

@@ -41,6 +41,16 @@ void RecentSolutions::archive(Archive& a) {
   x_.leftCols(count_) = known;
 }
 
+void archive(Archive& a, TissueSolveReport& r) {
+  a("iterations", r.iterations);
+  a("residual", r.residual);
+  a("factor_age", r.factor_age);
+  a("adopted_at", r.adopted_at);
+  a("failed_factors", r.failed_factors);
+  a("converged", r.converged);
+  a("stale", r.stale);
+}
+
 void archive(Archive& a, Snapshot& s) {
   s.A.archive(a);
   a("rotations", s.rotations);
@@ -89,8 +99,7 @@ void AsyncSolver::archive(Archive& a) {
   recent_.archive(a);
   a("last_iterations", last_iterations_);
   a("worker_lost", worker_lost_);
-  a("failed_factors", report_.failed_factors);
-  a("adopted_at", report_.adopted_at);
+  tissue::archive(a, report_);
   a.list("adoptions", adoptions_, [](Archive& each, Adoption& adoption) {
     each("step", adoption.step);
     each("snapshot", adoption.snapshot);

@@ -83,8 +83,7 @@ void SynchronousSolver::solve(Eigen::Ref<MatX> columns, Real) {
 /// The matrix is factorised in every step; what lasts is the order in which that is done.
 void SynchronousSolver::archive(Archive& a) {
   candidates_.archive(a);
-  a("failed_factors", report_.failed_factors);
-  a("adopted_at", report_.adopted_at);
+  tissue::archive(a, report_);
   if (!a.restoring() || !a.ok()) return;
   plan_ = with_candidates(*plan_, candidates_.chosen());
   adopt_plan();

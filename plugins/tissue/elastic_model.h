@@ -45,6 +45,8 @@ class ElasticModel {
   /// For a device, after `bind` and `set_materials`; false if it is another element. `revision`
   /// changes when the numbers do.
   virtual bool tets(TetElementsView&, Index& /*revision*/) { return false; }
+  /// Is the strain of volume averaged over the tets around each node that are of one material?
+  virtual bool averages_volume() const { return false; }
   /// Elastic energy (J).
   virtual Real energy(const VecX& x) const = 0;
 };

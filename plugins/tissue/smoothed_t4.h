@@ -30,6 +30,7 @@ class SmoothedT4 final : public ElasticModel {
   void linearise(const VecX& x, Real scale, NodeMatrix& A, VecX& force) override;
   void set_viscosity(const VecX& start, Real share) override;
   void add_force(const VecX& x, VecX& force) const override;
+  bool averages_volume() const override { return true; }
   Real energy(const VecX& x) const override;
 
   struct Gradient {

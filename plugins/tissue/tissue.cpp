@@ -264,6 +264,7 @@ std::string Tissue::settle(const Vec3& gravity) {
   if (!trouble.empty())
     if (const std::string free = free_motion(model_); !free.empty()) trouble += "; " + free;
   set_state(x, VecX::Zero(dofs()));
+  step_->rest(gravity);
   step_->renew();
   return trouble;
 }

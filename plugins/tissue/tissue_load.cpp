@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "sutura/archive.h"
+
 namespace sutura::tissue {
 
 void TissueLoad::describe(Describe<TissueLoad>& d) {
@@ -85,6 +87,11 @@ void TissueLoad::initialise(Setup& setup) {
   }
   if (!moment_.isZero(0) && part_.nodes.size() < 3)
     setup.error(*this, "a moment needs three nodes to act on, not in one line");
+}
+
+void TissueLoad::archive(Archive& a) {
+  a("force", applied_);
+  a("factor", factor_);
 }
 
 void TissueLoad::push(Index node, const Vec3& force) {

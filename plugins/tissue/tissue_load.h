@@ -16,6 +16,7 @@ class TissueLoad : public Component, public Driver, private FollowerLoad {
   static void describe(Describe<TissueLoad>& d);
   void initialise(Setup& setup) override;
   void drive(const StepContext& context) override;
+  void archive(Archive& archive) override;
   void follow(const VecX& x, VecX& load) override;
   void add_stiffness(const VecX& x, Real scale, NodeMatrix& A) const override;
 

@@ -14,6 +14,10 @@ Vec3 diagonal(const Mat3& m) {
 Vec3 shear(const Mat3& m) {
   return {m(0, 1), m(1, 2), m(2, 0)};
 }
+Mat3 biot_strain(const Mat3& F) {
+  const Mat3 U = nearest_rotation(F).transpose() * F;
+  return 0.5 * (U + U.transpose()) - Mat3::Identity();
+}
 
 }  // namespace
 
@@ -25,8 +29,10 @@ void TissueProbe::describe(Describe<TissueProbe>& d) {
   d.theory(
       "Point, box and region are of the shape at rest and move with the material. Strain is that "
       "of Biot, *U - I* with *F = R U*, constant in each tetrahedron; stress is *2 mu e + lambda "
-      "tr(e) I*; both are in the axes that the material had at rest. Averages are by volume at "
-      "rest, over the tetrahedra whose middle lies in the box and that belong to the region.");
+      "tr(e) I*; both are in the axes that the material had at rest. With `element=\"smoothed\"` "
+      "the pressure of a tetrahedron is the mean of its corners', as the element has it at nodes. "
+      "Averages are by volume at rest, over the tetrahedra whose middle lies in the box and that "
+      "belong to the region; near nu = 0.5 those of few tetrahedra are rough.");
   d.link("tissue", &T::tissue_, "The tissue.");
   d.attribute("point", &T::point_, "m", any(), "The point, at rest.");
   d.attribute("box", &T::box_, "m", any(), "Instead of a point: two opposite corners of a box.");
@@ -38,14 +44,12 @@ void TissueProbe::describe(Describe<TissueProbe>& d) {
   });
   d.output("velocity", "m/s", "Its velocity.",
            [](const T& p) { return p.mean(p.tissue_->velocities()); });
-  d.output("strain", "1", "Strain xx, yy, zz.",
-           [](const T& p) { return diagonal(p.mean(&T::strain)); });
+  d.output("strain", "1", "Strain xx, yy, zz.", [](const T& p) { return diagonal(p.strain()); });
   d.output("shear_strain", "1", "Strain xy, yz, zx (half of the engineering shear).",
-           [](const T& p) { return shear(p.mean(&T::strain)); });
-  d.output("stress", "Pa", "Stress xx, yy, zz.",
-           [](const T& p) { return diagonal(p.mean(&T::stress)); });
+           [](const T& p) { return shear(p.strain()); });
+  d.output("stress", "Pa", "Stress xx, yy, zz.", [](const T& p) { return diagonal(p.stress()); });
   d.output("shear_stress", "Pa", "Stress xy, yz, zx.",
-           [](const T& p) { return shear(p.mean(&T::stress)); });
+           [](const T& p) { return shear(p.stress()); });
 }
 
 void TissueProbe::initialise(Setup& setup) {
@@ -55,10 +59,7 @@ void TissueProbe::initialise(Setup& setup) {
                             : "one of 'point', 'box' and 'region' is needed");
     return;
   }
-  if (part)
-    over_part(setup);
-  else
-    at_point(setup);
+  if (part ? over_part(setup) : at_point(setup)) find_corners();
 }
 
 bool TissueProbe::at_point(Setup& setup) {
@@ -113,26 +114,70 @@ Vec3 TissueProbe::mean(const VecX& nodal) const {
   return sum;
 }
 
-Mat3 TissueProbe::mean(Mat3 (TissueProbe::*of_tet)(Index) const) const {
+/// The tets around each corner that are of the same material, with their shares of the volume.
+void TissueProbe::find_corners() {
+  if (!tissue_->model().elastic->averages_volume()) return;
+  const MeshData& data = tissue_->mesh->data();
+  std::vector<std::vector<Share>> around(data.points.size());
+  for (std::size_t e = 0; e < data.tets.size(); ++e) {
+    const Tet& t = data.tets[e];
+    const Real volume =
+        six_volume(data.points[t[0]], data.points[t[1]], data.points[t[2]], data.points[t[3]]) / 6;
+    for (const Index node : t)
+      around[static_cast<std::size_t>(node)].push_back({static_cast<Index>(e), volume});
+  }
+  const auto material = [&](Index tet) {
+    const Elasticity of = tissue_->elasticity({.element = tet});
+    return std::pair(of.young, of.poisson);
+  };
+  for (const Share& own : tets_) {
+    corners_.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::vector<Share>& corner = corners_.back()[k];
+      corner = around[static_cast<std::size_t>(data.tets[static_cast<std::size_t>(own.number)][k])];
+      std::erase_if(corner,
+                    [&](const Share& s) { return material(s.number) != material(own.number); });
+      Real sum = 0;
+      for (const Share& s : corner) sum += s.weight;
+      for (Share& s : corner) s.weight /= sum;
+    }
+  }
+}
+
+Mat3 TissueProbe::gradient(Index tet) const {
+  const Tet& t = tissue_->mesh->data().tets[static_cast<std::size_t>(tet)];
+  return deformation_gradient(t, tissue_->model().rest, tissue_->positions());
+}
+
+Mat3 TissueProbe::strain() const {
   Mat3 sum = Mat3::Zero();
-  for (const Share& s : tets_) sum += s.weight * (this->*of_tet)(s.number);
+  for (const Share& s : tets_) sum += s.weight * biot_strain(gradient(s.number));
   return sum;
 }
 
-Mat3 TissueProbe::strain(Index tet) const {
-  const Tet& t = tissue_->mesh->data().tets[static_cast<std::size_t>(tet)];
-  const Mat3 F = deformation_gradient(t, tissue_->model().rest, tissue_->positions());
-  const Mat3 U = nearest_rotation(F).transpose() * F;
-  return 0.5 * (U + U.transpose()) - Mat3::Identity();
+/// Trace of the strain that the element gives to a tet.
+Real TissueProbe::volume_strain(std::size_t tet) const {
+  if (corners_.empty()) return biot_strain(gradient(tets_[tet].number)).trace();
+  Real sum = 0;
+  for (const std::vector<Share>& corner : corners_[tet]) {
+    Mat3 F = Mat3::Zero();
+    for (const Share& s : corner) F += s.weight * gradient(s.number);
+    sum += biot_strain(F).trace() / 4;
+  }
+  return sum;
 }
 
-Mat3 TissueProbe::stress(Index tet) const {
-  EmbeddedPoint p;
-  p.element = tet;
-  const Elasticity elastic = tissue_->elasticity(p);
-  const Material m{elastic.young, elastic.poisson, 0};
-  const Mat3 e = strain(tet);
-  return 2 * m.lame_mu() * e + m.lame_lambda() * e.trace() * Mat3::Identity();
+Mat3 TissueProbe::stress() const {
+  Mat3 sum = Mat3::Zero();
+  for (std::size_t i = 0; i < tets_.size(); ++i) {
+    const Elasticity elastic = tissue_->elasticity({.element = tets_[i].number});
+    const Material m{elastic.young, elastic.poisson, 0};
+    const Mat3 e = biot_strain(gradient(tets_[i].number));
+    const Real pressure = (m.lame_lambda() + 2 * m.lame_mu() / 3) * volume_strain(i);
+    sum += tets_[i].weight * (2 * m.lame_mu() * (e - e.trace() / 3 * Mat3::Identity()) +
+                              pressure * Mat3::Identity());
+  }
+  return sum;
 }
 
 }  // namespace sutura::tissue

@@ -1,6 +1,7 @@
 // TissueProbe: what a tissue does at a point, or on average over a part.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "sutura/describe.h"
@@ -19,10 +20,12 @@ class TissueProbe : public Component, public PointProbe {
   bool at_point(Setup& setup);
   bool over_part(Setup& setup);
   Vec3 mean(const VecX& nodal) const;
-  /// Of one tet: Biot strain, in the axes of the material at rest.
-  Mat3 strain(Index tet) const;
-  Mat3 stress(Index tet) const;
-  Mat3 mean(Mat3 (TissueProbe::*of_tet)(Index) const) const;
+  void find_corners();
+  Mat3 gradient(Index tet) const;
+  /// Mean over the tets, in the axes of the material at rest: Biot strain, and stress.
+  Mat3 strain() const;
+  Mat3 stress() const;
+  Real volume_strain(std::size_t tet) const;
 
   Link<Tissue> tissue_;
   Vec3 point_ = Vec3::Zero();
@@ -34,6 +37,8 @@ class TissueProbe : public Component, public PointProbe {
     Real weight = 0;
   };
   std::vector<Share> nodes_, tets_;  ///< weights add up to 1
+  // Where the element averages the strain of volume, the averages at the corners of each tet:
+  std::vector<std::array<std::vector<Share>, 4>> corners_;
 };
 
 }  // namespace sutura::tissue

@@ -11,6 +11,7 @@
 #include "sutura/types.h"
 
 namespace sutura {
+class Archive;
 class Cache;
 class Registry;
 }  // namespace sutura
@@ -35,6 +36,9 @@ struct TissueSolveReport {
     message += (message.empty() ? "" : "; ") + clause;
   }
 };
+
+/// All but the message and the number of analyses, which are of this process.
+void archive(Archive& archive, TissueSolveReport& report);
 
 class TissueSolver {
  public:

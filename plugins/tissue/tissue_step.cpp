@@ -261,6 +261,16 @@ Real TissueStep::time_error(const StepContext& context) const {
   return context.dt / 2 * std::sqrt(most);
 }
 
+void TissueStep::rest(const Vec3& gravity) {
+  VecX force = load_;
+  model_.elastic->add_force(x_, force);
+  reaction_.setZero();
+  for (Index i = 0; i < model_.dofs() / 3; ++i)
+    if (model_.held.is_fixed(i))
+      reaction_.segment<3>(3 * i) = -force.segment<3>(3 * i) - model_.mass[i] * gravity;
+  model_.held.add_force(x_, reaction_);
+}
+
 void TissueStep::end(const StepContext& context, const VecX& force) {
   reaction_.setZero();
   for (Index i = 0; i < model_.dofs() / 3; ++i)

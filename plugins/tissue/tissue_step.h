@@ -54,6 +54,8 @@ class TissueStep {
 
   /// Between steps. Fixed nodes are fixed where they are put; their velocity becomes zero.
   void set_state(const VecX& x, const VecX& v);
+  /// The reaction is that of a balance under weight and load.
+  void rest(const Vec3& gravity);
   /// The factor in use is of another shape: the next step makes a new one.
   void renew() { assembled_for_ = 0; }
   void archive(Archive& archive);

@@ -10,6 +10,27 @@
 #include "sutura/units.h"
 
 namespace sutura::tools {
+namespace {
+
+/// `part` of the way from one pose to another at constant speed along a screw. Unlike a straight way
+/// of one of the points, it is the same wherever a scene has its origin.
+Pose on_screw(const Pose& from, const Pose& to, Real part) {
+  Quat turn = to.rotation * from.rotation.conjugate();
+  if (turn.w() < 0) turn.coeffs() *= -1;  // the shorter way round
+  const Eigen::AngleAxis<Real> whole(turn);
+  const Real angle = whole.angle();
+  const Vec3& axis = whole.axis();
+  const Vec3 way = to.position - from.position;
+  const Vec3 along = way.dot(axis) * axis;
+  // Across the axis a point goes along an arc; this is the chord of the part.
+  const Real chord = angle > 0 ? std::sin(part * angle / 2) / std::sin(angle / 2) : part;
+  const Eigen::AngleAxis<Real> half((part - 1) * angle / 2, axis);
+  const Vec3 across = chord * (half * Vec3(way - along));
+  return {from.position + part * along + across,
+          Quat(Eigen::AngleAxis<Real>(part * angle, axis)) * from.rotation};
+}
+
+}  // namespace
 
 void Track::describe(Describe<Track>& d) {
   d.summary(
@@ -132,8 +153,7 @@ Pose Track::on_the_way(Real time) const {
   constexpr Real rounding = 1e-9;
   if (part < rounding) return from_;
   if (part > 1 - rounding) return target_;
-  return {from_.position + part * (target_.position - from_.position),
-          from_.rotation.slerp(part, target_.rotation)};
+  return on_screw(from_, target_, part);
 }
 
 std::vector<KeyFrame> Track::keys_from_attributes(Setup& setup) {

@@ -77,6 +77,7 @@ void Simulation::archive_run(Archive& a) {
   for (BodyReport& body : report_.bodies) {
     a("imbalance", body.imbalance.force);
     a("relative_imbalance", body.imbalance.relative);
+    a("time_error", body.time_error);
     a("work_of_loads", body.work.loads);
     a("work_of_holds", body.work.holds);
     a("work_of_constraints", body.work.constraints);

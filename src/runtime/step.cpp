@@ -24,7 +24,7 @@ constexpr Index last_try = 5;
 /// What a guess lacks, in units of the tolerance that it misses most.
 Real times_tolerance(Real violation, const std::vector<Imbalance>& imbalance,
                      const StepLimits& limits) {
-  Real most = violation / limits.gap_tolerance;
+  Real most = violation;
   for (const Imbalance& i : imbalance) most = std::max(most, i.relative / limits.tolerance);
   return std::isfinite(most) ? most : std::numeric_limits<Real>::infinity();
 }
@@ -86,13 +86,14 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
                               .early = std::max(Real(0), due - time)};
     finest = std::max(finest, division.parts());
     const Index most = scene_->limits.passes * (division.is_last_try() ? last_try : 1);
+    may_divide_ = division.can_halve();
     const bool balanced = balance(context, most, timer), known = knows_ways();
     const bool solved = balanced && known && is_short_enough(context);
     // However well a guess is balanced, it is of no use where something may have gone through.
     constexpr Real no_use = std::numeric_limits<Real>::infinity();
     const Real lacks = !known     ? no_use
                        : balanced ? 0
-                                  : times_tolerance(violation_, imbalance_, scene_->limits);
+                                  : times_tolerance(relative_violation_, imbalance_, scene_->limits);
     if (!solved && division.try_again(lacks)) continue;
     accept(context, solved, timer);
     if (!report_.finite) break;
@@ -137,6 +138,7 @@ bool Simulation::balance(StepContext context, Index most, Timer& timer) {
         build(context, timer);
       continue;
     }
+    if (may_divide_ && timed_event_is_due(problem_)) return false;
     // Events fire on forces that have been verified, all that are due at once.
     const Index fired = fire_events(problem_);
     most += fired;

@@ -16,9 +16,11 @@ class StepDivision {
   Index parts() const { return parts_; }
   /// Where the present part begins, in units of the step.
   Real begin() const { return static_cast<Real>(part_) / static_cast<Real>(parts_); }
-  /// Halves the present part. False if it cannot be any shorter.
+  /// May the present part be any shorter?
+  bool can_halve() const { return !is_last_try_ && 2 * parts_ <= most_; }
+  /// Halves the present part, where it may.
   bool halve() {
-    if (2 * parts_ > most_) return false;
+    if (!can_halve()) return false;
     parts_ *= 2;
     part_ *= 2;
     return true;

@@ -74,6 +74,16 @@ void ConstraintBuilder::may_idle(BlockId block, Real beyond) {
   problem_.blocks[static_cast<std::size_t>(block.index)].idle_beyond = beyond;
 }
 
+void ConstraintBuilder::keep_within(BlockId block, Real precision) {
+  assert(block.valid());
+  problem_.blocks[static_cast<std::size_t>(block.index)].precision = precision;
+}
+
+void ConstraintBuilder::time_event(BlockId block) {
+  assert(block.valid());
+  problem_.blocks[static_cast<std::size_t>(block.index)].timed = true;
+}
+
 void ConstraintBuilder::accept() {
   step_before_.remember(problem_, Warm::step_before);
 }

@@ -22,8 +22,9 @@ void LawCheck::begin(ConstraintProblem& problem) {
             [](const Known& a, const Known& b) { return a.key < b.key; });
 }
 
-Residual LawCheck::measure(ConstraintProblem& problem) {
+LawCheck::Miss LawCheck::measure(ConstraintProblem& problem, Real tolerance) {
   Residual residual;
+  Miss worst;
   for (ConstraintBlock& b : problem.blocks) {
     const int dim = b.law->dim;
     Real W[max_block_dim * max_block_dim] = {};
@@ -36,8 +37,11 @@ Residual LawCheck::measure(ConstraintProblem& problem) {
     Real plus[max_block_dim];
     Mode mode = b.mode;
     residual.ask(problem, b, W, mode, plus);
+    const Real relative = b.violation / std::min(tolerance, b.precision);
+    if (!(relative <= worst.relative)) worst.relative = relative;  // a NaN stays
   }
-  return residual;
+  worst.violation = residual.violation;
+  return worst;
 }
 
 }  // namespace sutura

@@ -15,9 +15,13 @@ class LawCheck {
   /// Remembers the diagonal block of W of every block, by key; d_free -= W lambda: the bodies have
   /// moved under lambda already, and the laws are to be solved for the whole of it.
   void begin(ConstraintProblem& problem);
+  struct Miss {
+    Real violation = 0;  ///< the largest, m
+    Real relative = 0;   ///< beside what is allowed: `tolerance`, or what the block itself asks for
+  };
   /// Of problem.delta and problem.lambda as they are; fills in the violation of each block. A block
   /// that `begin` has not seen counts with the compliance that its units make.
-  Residual measure(ConstraintProblem& problem);
+  Miss measure(ConstraintProblem& problem, Real tolerance);
 
  private:
   struct Known {

@@ -47,14 +47,28 @@ Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
   return residual;
 }
 
+namespace {
+
+/// What the event of a block makes of its mode.
+bool fire(const ConstraintProblem& problem, const ConstraintBlock& b, Mode& mode) {
+  return b.law->event != nullptr &&
+         b.law->event(problem.block_params(b), problem.delta.data() + b.first_row, &mode,
+                      problem.lambda.data() + b.first_row);
+}
+
+}  // namespace
+
 Index fire_events(ConstraintProblem& problem) {
   Index fired = 0;
-  for (ConstraintBlock& b : problem.blocks)
-    if (b.law->event != nullptr &&
-        b.law->event(problem.block_params(b), problem.delta.data() + b.first_row, &b.mode,
-                     problem.lambda.data() + b.first_row))
-      ++fired;
+  for (ConstraintBlock& b : problem.blocks) fired += fire(problem, b, b.mode);
   return fired;
+}
+
+bool timed_event_is_due(const ConstraintProblem& problem) {
+  return std::any_of(problem.blocks.begin(), problem.blocks.end(), [&](const ConstraintBlock& b) {
+    Mode mode = b.mode;
+    return b.timed && fire(problem, b, mode);
+  });
 }
 
 }  // namespace sutura

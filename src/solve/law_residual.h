@@ -32,6 +32,9 @@ Residual natural_map(ConstraintProblem& problem, const Compliance& compliance,
 /// Fires what is due, all at once; returns how many.
 Index fire_events(ConstraintProblem& problem);
 
+/// Is one due of a block that asks for its time?
+bool timed_event_is_due(const ConstraintProblem& problem);
+
 /// Events wait for forces that are converged at least this well (in units of the
 /// blocks): fired on transient forces they end in wrong states.
 inline constexpr Real event_gate = 1e-3;
