@@ -62,8 +62,8 @@ struct ConstraintBlock {
   Mode mode = 0;
   bool redundant = false;  ///< see ConstraintBuilder::mark_redundant
   Real idle_beyond = std::numeric_limits<Real>::infinity();  ///< see ConstraintBuilder::may_idle
-  bool timed = false;      ///< see ConstraintBuilder::time_event
-  Real precision = std::numeric_limits<Real>::infinity();  ///< see ConstraintBuilder::keep_within
+  bool timed = false;                                        ///< see ConstraintBuilder::time_event
+  Real precision = std::numeric_limits<Real>::infinity();    ///< see ConstraintBuilder::keep_within
   Real violation = 0;      ///< on exit of a solve: how far from its law (m)
   Vec3 at = Vec3::Zero();  ///< where it acts (m)
   Eigen::Matrix<Real, 3, max_block_dim> axes = decltype(axes)::Zero();  ///< force = axes * lambda

@@ -65,7 +65,9 @@ void Contact::describe(Describe<Contact>& d) {
               "dragged with 'friction'.");
   d.attribute("compliance", &Contact::compliance_, "m/N", between(0, 1e6),
               "By how much the surfaces give way along the normal under a force at one touch; 0: "
-              "they are hard. A thread of diameter d gives about 1 / (E d) across.");
+              "they are hard. A thread of diameter d gives about 1 / (E d) across. It touches at "
+              "its nodes and where it is nearest between them, and each of these gives way on its "
+              "own: where several lie within the overlap they bear more together.");
   d.output("force", "N",
            "Of all touches on the first. Of one that touches itself it says nothing: what one side "
            "of a touch gets, the other gives.",

@@ -276,9 +276,9 @@ Vec3 CurveTool::slip(const Touch& t) const {
 }
 
 Real CurveTool::rolled(const Touch& t) const {
-  const Vec3 of_centre = moved_on(tool_.placed(Configuration::start),
-                                  tool_.placed(Configuration::current), curve_, t.first_place,
-                                  Vec3::Zero());
+  const Vec3 of_centre =
+      moved_on(tool_.placed(Configuration::start), tool_.placed(Configuration::current), curve_,
+               t.first_place, Vec3::Zero());
   return (slip(t) - of_centre).norm();
 }
 

@@ -13,6 +13,10 @@ namespace {
 // In units of `reach`.
 constexpr Real arrived = 0.01;  // a tip that is closer to a front from inside stands at it
 
+// In units of the radius of the needle: where the tip goes no further in a part of a step, the
+// place of a puncture in it is known well enough.
+constexpr Real placed = 0.1;
+
 constexpr Real rounding = 1e-6;  // of a force
 
 }  // namespace
@@ -28,7 +32,8 @@ void Puncture::describe(Describe<Puncture>& d) {
       "lambda >= 0 while lambda > 0, "
       "delta = n^T (tip - surface point). Punctures that are due fire together, once the end of "
       "the step has been measured; another pass follows with the law of the pierced state: "
-      "bilateral across the needle, cutting along it.");
+      "bilateral across the needle, cutting along it. The step in which that happens is divided, "
+      "until the tip goes no further in a part than a tenth of the radius of the needle.");
   d.link("path", &Puncture::path_, "The channel that begins and ends at the punctures.");
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
   d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")
@@ -216,7 +221,8 @@ BlockId Puncture::add_block(ConstraintBuilder& builder, Front front, const Footp
       builder.add<PunctureLaw>(key_of(front, count), params, BlockVector<3>(gap),
                                PunctureLaw::pressing, {.force = params.puncture_force});
   const Directions world = Mat3::Identity();
-  builder.time_event(block);
+  const Vec3 way = tip - thread.point(0, Configuration::start);
+  if (way.norm() > placed * thread.radius(0)) builder.time_event(block);
   PointJacobian J;
   thread.jacobian(0, J);
   builder.couple(block, thread, world, J, tip);

@@ -301,9 +301,15 @@ void Tissue::end_step(const StepContext& context, const VecX& force) {
 
 std::string Tissue::fault() const {
   const Index n = inverted();
-  return n == 0 ? ""
-                : std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") +
-                      " turned inside out";
+  if (n > 0)
+    return std::to_string(n) + (n == 1 ? " tetrahedron is" : " tetrahedra are") +
+           " turned inside out";
+  constexpr Real too_much = 0.05;  // less is a dent, and what is around it bears it
+  const Real collapsed = collapsed_share(model_, positions());
+  if (collapsed < too_much) return {};
+  return format_real(std::round(100 * collapsed)) +
+         " % of the volume is compressed by more than (1 - 2 nu) / nu: it bears no shear there and "
+         "may fold; take a smaller 'poisson'";
 }
 
 Vec3 Tissue::position(const EmbeddedPoint& p, Configuration c) const {

@@ -40,6 +40,24 @@ Index inverted_tets(const TissueModel& model, const VecX& x) {
   return count;
 }
 
+// A shear by a at a uniform compression of the volume by e costs (2 mu - lambda e) a^2 / 2 and no
+// more: beyond e = 2 mu / lambda the material folds. A neo-Hookean one with the same constants does
+// not.
+Real collapsed_share(const TissueModel& model, const VecX& x) {
+  const std::vector<Vec3>& rest = model.mesh->points;
+  Real all = 0, collapsed = 0;
+  for (std::size_t e = 0; e < model.mesh->tets.size(); ++e) {
+    const Tet& t = model.mesh->tets[e];
+    const Real nu = model.materials[e].poisson;
+    const Real before = six_volume(rest[t[0]], rest[t[1]], rest[t[2]], rest[t[3]]);
+    const Real now = six_volume(x.segment<3>(3 * t[0]), x.segment<3>(3 * t[1]),
+                                x.segment<3>(3 * t[2]), x.segment<3>(3 * t[3]));
+    all += before;
+    if (nu * (before - now) > (1 - 2 * nu) * before) collapsed += before;
+  }
+  return collapsed / all;
+}
+
 Real max_displacement(const TissueModel& model, const VecX& x) {
   Real most = 0;
   for (Index i = 0; i < model.dofs(); i += 3)

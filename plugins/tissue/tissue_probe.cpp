@@ -174,8 +174,8 @@ Mat3 TissueProbe::stress() const {
     const Material m{elastic.young, elastic.poisson, 0};
     const Mat3 e = biot_strain(gradient(tets_[i].number));
     const Real pressure = (m.lame_lambda() + 2 * m.lame_mu() / 3) * volume_strain(i);
-    sum += tets_[i].weight * (2 * m.lame_mu() * (e - e.trace() / 3 * Mat3::Identity()) +
-                              pressure * Mat3::Identity());
+    sum += tets_[i].weight *
+           (2 * m.lame_mu() * (e - e.trace() / 3 * Mat3::Identity()) + pressure * Mat3::Identity());
   }
   return sum;
 }

@@ -12,8 +12,8 @@
 namespace sutura::tools {
 namespace {
 
-/// `part` of the way from one pose to another at constant speed along a screw. Unlike a straight way
-/// of one of the points, it is the same wherever a scene has its origin.
+/// `part` of the way from one pose to another at constant speed along a screw. Unlike a straight
+/// way of one of the points, it is the same wherever a scene has its origin.
 Pose on_screw(const Pose& from, const Pose& to, Real part) {
   Quat turn = to.rotation * from.rotation.conjugate();
   if (turn.w() < 0) turn.coeffs() *= -1;  // the shorter way round
@@ -41,7 +41,8 @@ void Track::describe(Describe<Track>& d) {
       "p(t)*. A key gives *p* (positions) and *R* (rotations: axis times angle). Between two "
       "keys *p* is interpolated along a line and *R* by slerp, turning through the angle closest "
       "to the difference of the two rotation vectors, so keys about one axis may lie more than "
-      "half a turn apart. In a step it may turn by less than that.\n\n"
+      "half a turn apart. In a step it may turn by less than that. Where a host says where it is "
+      "at the end of a step, it goes there along a screw.\n\n"
       "The header of the CSV file names columns and units in any order: `t [s], x [mm], y [mm], "
       "z [mm], rx [deg], ry [deg], rz [deg]`; `t` is required, what is left out is zero.");
   d.attribute("times", &Track::times_, "s", between(-1e6, 1e6), "Times of the keys, increasing.");

@@ -164,11 +164,11 @@ void Simulation::solve(ConstraintProblem& problem) {
 /// the forces on it counts in its balance.
 bool Simulation::measure(const StepContext& context) {
   const StepLimits& limits = scene_->limits;
-  const auto [violation, relative] = law_check_->measure(problem_, limits.gap_tolerance);
-  violation_ = violation;
-  relative_violation_ = relative;
-  bool good = relative <= 1;
-  const bool close = relative <= 0.5;
+  const LawCheck::Miss miss = law_check_->measure(problem_, limits.gap_tolerance);
+  violation_ = miss.violation;
+  relative_violation_ = miss.relative;
+  bool good = miss.relative <= 1;
+  const bool close = miss.relative <= 0.5;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     constraint_force(i, problem_.lambda);
     imbalance_[i] = ask(bodies_[i].body).imbalance(context, body_force_[i]);

@@ -22,9 +22,9 @@ namespace {
 constexpr Index last_try = 5;
 
 /// What a guess lacks, in units of the tolerance that it misses most.
-Real times_tolerance(Real violation, const std::vector<Imbalance>& imbalance,
+Real times_tolerance(Real relative_violation, const std::vector<Imbalance>& imbalance,
                      const StepLimits& limits) {
-  Real most = violation;
+  Real most = relative_violation;
   for (const Imbalance& i : imbalance) most = std::max(most, i.relative / limits.tolerance);
   return std::isfinite(most) ? most : std::numeric_limits<Real>::infinity();
 }
@@ -91,9 +91,10 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
     const bool solved = balanced && known && is_short_enough(context);
     // However well a guess is balanced, it is of no use where something may have gone through.
     constexpr Real no_use = std::numeric_limits<Real>::infinity();
-    const Real lacks = !known     ? no_use
-                       : balanced ? 0
-                                  : times_tolerance(relative_violation_, imbalance_, scene_->limits);
+    const Real lacks = !known ? no_use
+                       : balanced
+                           ? 0
+                           : times_tolerance(relative_violation_, imbalance_, scene_->limits);
     if (!solved && division.try_again(lacks)) continue;
     accept(context, solved, timer);
     if (!report_.finite) break;

@@ -23,7 +23,6 @@ void LawCheck::begin(ConstraintProblem& problem) {
 }
 
 LawCheck::Miss LawCheck::measure(ConstraintProblem& problem, Real tolerance) {
-  Residual residual;
   Miss worst;
   for (ConstraintBlock& b : problem.blocks) {
     const int dim = b.law->dim;
@@ -36,11 +35,10 @@ LawCheck::Miss LawCheck::measure(ConstraintProblem& problem, Real tolerance) {
       for (int k = 0; k < dim; ++k) W[k * (dim + 1)] = b.units.length / b.units.force;
     Real plus[max_block_dim];
     Mode mode = b.mode;
-    residual.ask(problem, b, W, mode, plus);
+    worst.ask(problem, b, W, mode, plus);
     const Real relative = b.violation / std::min(tolerance, b.precision);
     if (!(relative <= worst.relative)) worst.relative = relative;  // a NaN stays
   }
-  worst.violation = residual.violation;
   return worst;
 }
 

@@ -15,9 +15,8 @@ class LawCheck {
   /// Remembers the diagonal block of W of every block, by key; d_free -= W lambda: the bodies have
   /// moved under lambda already, and the laws are to be solved for the whole of it.
   void begin(ConstraintProblem& problem);
-  struct Miss {
-    Real violation = 0;  ///< the largest, m
-    Real relative = 0;   ///< beside what is allowed: `tolerance`, or what the block itself asks for
+  struct Miss : Residual {
+    Real relative = 0;  ///< violation beside what is allowed: `tolerance`, or less for some blocks
   };
   /// Of problem.delta and problem.lambda as they are; fills in the violation of each block. A block
   /// that `begin` has not seen counts with the compliance that its units make.

@@ -76,9 +76,18 @@ class Bits(unittest.TestCase):
             for way in (copy.copy, copy.deepcopy):
                 with self.assertRaises(sutura.Misuse):
                     way(sim)
-            with self.assertRaises(sutura.Misuse):
-                sim.step(2**70)
-            self.assertEqual(sim.step().step, 1)
+            for count in (2**70, 2.0, "2"):
+                with self.assertRaises(sutura.Misuse):
+                    sim.step(count)
+            self.assertEqual(sim.step(np.int64(1)).step, 1)
+
+    def test_attributes_are_numbers_of_python_or_numpy(self):
+        scene = sutura.Scene(plugins=["thread"], dt=0.01)
+        scene.add("SutureThread", needle_length=0, thread_length=np.float32(0.05),
+                  thread_beams=np.int64(20), settle=np.bool_(True), clamp="start")
+        self.assertEqual(scene.load()["/suture_thread.beams"], 20)
+        with self.assertRaises(sutura.Misuse):
+            scene.add("ThreadLoad", at=0, force=["0", "0", "1 N"])
 
     def test_settings_are_what_attributes_are(self):
         with sutura.load(STITCH, settings={".gravity": [0, 0, -1], ".tolerance": 0.02}) as sim:

@@ -10,6 +10,8 @@ from dataclasses import replace
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
+import numpy as np
+
 from ._caller import caller
 from ._library import library
 from ._loading import OnMessage, PathLike, load_with
@@ -23,17 +25,17 @@ def value_text(value: Any) -> str:
         return value
     if isinstance(value, Element):
         return value.path
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, os.PathLike):
         return str(os.fspath(value))
-    if isinstance(value, int):
-        return str(value)
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
     if hasattr(value, "__float__") and not getattr(value, "ndim", 0):
         return repr(float(value))
     try:
         return " ".join(repr(float(v)) for v in value)
-    except TypeError:
+    except (TypeError, ValueError):
         raise Misuse(f"{value!r} cannot be an attribute; expected a number, a list of numbers, "
                      "a text with a unit, or a component") from None
 

@@ -63,11 +63,11 @@ class Simulation:
 
     def step(self, count: int = 1) -> Report:
         """Takes `count` steps. Diverged, FileError (a recorder) or InternalError end it early."""
-        if not 0 <= count < 2**63:
+        if not isinstance(count, (int, np.integer)) or not 0 <= count < 2**63:
             raise Misuse(f"cannot take {count} steps")
         self._changes += 1
         with self._messages.delivered():
-            check(library.sutura_step(self._handle, count))
+            check(library.sutura_step(self._handle, int(count)))
         return self.report
 
     def run(self, duration: float | None = None) -> Iterator[Report]:

@@ -15,6 +15,8 @@ using namespace sutura::test;
 
 namespace {
 
+constexpr Real gap_tolerance = 1e-6;  // m
+
 TEST(LawCheck, TakesOffWhatTheBodiesHaveAnsweredAlready) {
   ConstraintProblem p = stitch({.samples = 10});
   const VecX d_free = p.d_free;
@@ -33,7 +35,7 @@ TEST(LawCheck, ASolvedProblemViolatesNothing) {
   BlockGaussSeidel solver;
   ASSERT_TRUE(solver.solve(p).converged);
   // The bodies did what W says: delta is what the solver has found, to its tolerance.
-  const Residual residual = check.measure(p);
+  const Residual residual = check.measure(p, gap_tolerance);
   EXPECT_LE(residual.value, solver.options().tolerance);
   EXPECT_LE(residual.violation, 1e-4 * solver.options().tolerance);
 }
@@ -47,7 +49,7 @@ Real violation_of_contact(Real w, Real lambda, Real delta) {
   check.begin(p);
   p.lambda[0] = lambda;
   p.delta[0] = delta;
-  const Real violation = check.measure(p).violation;
+  const Real violation = check.measure(p, gap_tolerance).violation;
   EXPECT_EQ(p.blocks[0].violation, violation);
   EXPECT_EQ(p.lambda[0], lambda);
   return violation;
@@ -72,10 +74,28 @@ TEST(LawCheck, AHoldIsOffByItsDelta) {
   check.begin(p);
   p.lambda << 1, -2, 5;
   p.delta << 3e-3, -4e-3, -0.5 + 1e-3;
-  check.measure(p);
+  check.measure(p, gap_tolerance);
   EXPECT_NEAR(p.blocks[0].violation, 5e-3, 1e-15);
   // Compliant: delta = -c lambda is its law; of what is left the body takes W / (W + c).
   EXPECT_NEAR(p.blocks[1].violation, 1e-3 * 0.3 / 0.4, 1e-15);
+}
+
+// What misses its law by the same is nothing beside the tolerance of all, and ten times too much
+// beside that of a block which asks for a hundredth of it.
+TEST(LawCheck, ABlockMayAskForMore) {
+  ConstraintProblem p;
+  append<Bilateral<1>>(p, {});
+  append<Bilateral<1>>(p, {});
+  finish(p, MatX::Identity(2, 2), VecX::Zero(2));
+  LawCheck check;
+  check.begin(p);
+  p.lambda.setZero();
+  p.delta << 0.1 * gap_tolerance, 0.1 * gap_tolerance;
+  EXPECT_NEAR(check.measure(p, gap_tolerance).relative, 0.1, 1e-15);
+  p.blocks[1].precision = 0.01 * gap_tolerance;
+  EXPECT_NEAR(check.measure(p, gap_tolerance).relative, 10, 1e-13);
+  p.blocks[1].precision = 100 * gap_tolerance;  // never less than all are asked
+  EXPECT_NEAR(check.measure(p, gap_tolerance).relative, 0.1, 1e-15);
 }
 
 TEST(LawCheck, TheModeIsOnlyAskedNotChanged) {
@@ -86,7 +106,7 @@ TEST(LawCheck, TheModeIsOnlyAskedNotChanged) {
   check.begin(p);
   p.lambda << 1, 0.5, 0;
   p.delta << 0, -1, 0;  // slips with all its friction: on the graph, in another mode
-  EXPECT_NEAR(check.measure(p).violation, 0, 1e-15);
+  EXPECT_NEAR(check.measure(p, gap_tolerance).violation, 0, 1e-15);
   EXPECT_EQ(p.blocks[0].mode, static_cast<Mode>(Friction::stick));
 }
 
@@ -103,7 +123,7 @@ TEST(LawCheck, FindsTheComplianceByKey) {
   p.blocks[1].key = make_key(7, 7);
   p.lambda.setOnes();
   p.delta.setOnes();  // far off: violation = W lambda, of the W that counts
-  check.measure(p);
+  check.measure(p, gap_tolerance);
   EXPECT_NEAR(p.blocks[0].violation, w[2], 1e-15);
   EXPECT_NEAR(p.blocks[1].violation, 0.8, 1e-15);
   EXPECT_NEAR(p.blocks[2].violation, w[0], 1e-15);

@@ -1,4 +1,5 @@
 // Tools led by a host: by inputs that are described, and by the functions of tool.h.
+#include <Eigen/Geometry>
 #include <numbers>
 
 #include "sutura/tool.h"
@@ -25,6 +26,31 @@ TEST(Host, WhoTellsTheTrackWhatItsKeysSayChangesNothing) {
       const Vec3 expected = keys.point(s);
       EXPECT_LT((told.point(s) - expected).norm(), rounding) << step;
     }
+  }
+}
+
+// A tool that is told to turn goes about its centre on the way, too, which counts where jaws open
+// within a step. Led straight between two poses, a centre at 2 m went aside by 22 mm half way.
+TEST(Host, TheWayOfAToldTurnIsTheSameWhereverTheSceneStands) {
+  for (const char* x : {"0", "2"}) {
+    const Running s("<Curve name='rod'/><Track name='tool' times='0' centre='" + std::string(x) +
+                    " 0 0 m'/>");
+    const Vec3 centre(std::stod(x), 0, 0), arm(0.01, 0.02, 0.03);
+    const auto* tool = dynamic_cast<const Tool*>(s.simulation->find("/tool"));
+    EXPECT_EQ(s.set("/tool.rotation", Vec3(0, 0, 0.3)), "");
+    s.step();
+    const Quat half(Eigen::AngleAxisd(0.15, Vec3::UnitZ()));
+    const auto half_way = [&] {
+      const Pose pose = tool->half_way();
+      return Vec3(pose.position + pose.rotation * (centre + arm));
+    };
+    EXPECT_LT((half_way() - (centre + half * arm)).norm(), 1e-12);
+    // Turned back and moved along the axis: a screw.
+    EXPECT_EQ(s.set("/tool.rotation", Vec3(0, 0, 0)), "");
+    EXPECT_EQ(s.set("/tool.position", Vec3(centre + Vec3(0, 0, 0.01))), "");
+    s.step();
+    const Vec3 expected = centre + half * arm + Vec3(0, 0, 0.005);
+    EXPECT_LT((half_way() - expected).norm(), 1e-12);
   }
 }
 
