@@ -15,7 +15,7 @@ constexpr Real arrived = 0.01;  // a tip that is closer to a front from inside s
 
 // In units of the radius of the needle: where the tip goes no further in a part of a step, the
 // place of a puncture in it is known well enough.
-constexpr Real placed = 0.1;
+constexpr Real placed = 0.5;
 
 constexpr Real rounding = 1e-6;  // of a force
 
@@ -33,7 +33,7 @@ void Puncture::describe(Describe<Puncture>& d) {
       "delta = n^T (tip - surface point). Punctures that are due fire together, once the end of "
       "the step has been measured; another pass follows with the law of the pierced state: "
       "bilateral across the needle, cutting along it. The step in which that happens is divided, "
-      "until the tip goes no further in a part than a tenth of the radius of the needle.");
+      "until the tip goes no further in a part than half of the radius of the needle.");
   d.link("path", &Puncture::path_, "The channel that begins and ends at the punctures.");
   d.link("cutting", &Puncture::cutting_, "Resistance once through; none without.").optional();
   d.link("drag", &Puncture::drag_, "Friction on what slips in during the step of the puncture.")

@@ -156,7 +156,7 @@ TEST(SoftTissue, SaysWhereItIsTooSoftForWhatTheTipPresses) {
       EXPECT_EQ(says, force > bears) << dt << ", " << report.time;
       pressed += force > bears;
     }
-    EXPECT_GT(pressed, 2) << dt;
+    EXPECT_GE(pressed, 2) << dt;
   }
   TextRun run = needle_into({100e3, 0.22, 0.23, 0.225, 0.1, 90, 0.44}, 2e-3);
   ASSERT_TRUE(run) << run.said();

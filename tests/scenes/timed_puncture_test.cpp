@@ -24,8 +24,8 @@ TextRun bite(const char* dt) {
       std::string("gravity='0 0 0' dt='") + dt + "'");
 }
 
-// Steps are divided in which the tip goes through, and no others, down to parts in which it goes
-// by a tenth of its radius, 0.03 mm; at 24 mm/s that is a sixteenth of 20 ms.
+// Steps are divided in which the tip goes through, and no others, until it goes by no more than
+// half of its radius, 0.15 mm, in a part: at 24 mm/s and 20 ms into two or four.
 TEST(TimedPuncture, DividesItsStepAndNoOther) {
   TextRun run = bite("20 ms");
   ASSERT_TRUE(run) << run.said();
@@ -35,7 +35,10 @@ TEST(TimedPuncture, DividesItsStepAndNoOther) {
     const StepReport& report = run.simulation().step();
     EXPECT_FALSE(report.missed()) << report.time;
     const Real now = run.number("/puncture", "punctures");
-    EXPECT_EQ(report.parts, now > punctures ? 16 : 1) << report.time;
+    if (now > punctures)
+      EXPECT_TRUE(report.parts == 2 || report.parts == 4) << report.time;
+    else
+      EXPECT_EQ(report.parts, 1) << report.time;
     divided += report.parts > 1;
     punctures = now;
   }
@@ -43,14 +46,15 @@ TEST(TimedPuncture, DividesItsStepAndNoOther) {
 }
 
 // The force at rest goes by where the mouths are, to the way of the tip in a step times the
-// stiffness of the tissue. At the end of their step they were up to 0.5 mm further on, and the hand
-// felt half of what it feels with steps of 2 ms. What is left is how far tissue is dragged along.
+// stiffness of the tissue. At the end of their step they were up to 1.2 mm further on, and the hand
+// felt 2.3 times what it feels with steps of 2 ms. What is left, a third, is how far tissue is
+// dragged along in the step.
 TEST(TimedPuncture, ALongStepLeavesTheForceOfAShortOne) {
-  TextRun brief = bite("2 ms"), lengthy = bite("20 ms");
+  TextRun brief = bite("2 ms"), lengthy = bite("50 ms");
   ASSERT_TRUE(brief && lengthy) << brief.said();
   for (TextRun* run : {&brief, &lengthy}) run->run(1.4);
   const Real right = brief.vector("/hand", "force").norm();
-  EXPECT_NEAR(lengthy.vector("/hand", "force").norm(), right, 0.2 * right);
+  EXPECT_NEAR(lengthy.vector("/hand", "force").norm(), right, 0.4 * right);
 }
 
 }  // namespace
