@@ -182,7 +182,8 @@ std::string RandomScene::xml(const View& view, const std::string& mesh_file) con
   // Powers of length: Pa -2, kg/m^3 -4 (force time^2 / length^4), N/m -1, N m/rad 1, 1/Pa 2, Pa s/m
   // -3, m/s and m/s^2 1.
   std::string out =
-      "<sutura version=\"1\" substeps=\"1\"" + attribute("dt", dt) +
+      std::string("<sutura version=\"1\"") + (may_divide ? "" : " substeps=\"1\"") +
+      attribute("dt", dt) +
       attribute("gravity", Vec3(length(1, gravity_ ? 9.81 : 0) * view.direction(-Vec3::UnitZ()))) +
       ">\n";
   for (const char* plugin : {"thread", "tissue", "suturing", "tools"})

@@ -30,6 +30,7 @@ struct RandomScene {
   Index steps = 0;
   bool approximate = false;  ///< the tissue answers through an old factor
   Real oblique = 0;          ///< angle between needle and surface at the start (rad)
+  bool may_divide = true;    ///< its steps, as where a tip goes through
 
   /// Anything of the scene follows from the seed.
   explicit RandomScene(std::uint64_t seed);

@@ -35,7 +35,8 @@ struct Counts {
 };
 
 void run_scene(std::uint64_t seed, const std::filesystem::path& folder, Counts& counts) {
-  const RandomScene scene(seed);
+  RandomScene scene(seed);
+  scene.may_divide = false;  // what is looked at is a whole step
   WatchedRun run(scene.write(folder));
   ASSERT_TRUE(run) << "seed " << seed;
   Simulation& simulation = run.simulation();
@@ -141,7 +142,8 @@ TEST_P(RandomScenes, KeepTheLawsInEveryStep) {
 /// The checks above see what they are there for: each is shown a solution with one thing wrong.
 TEST(StepChecks, FindWhatIsWrong) {
   const house::TemporaryFolder folder("step_checks");
-  const RandomScene scene(2);
+  RandomScene scene(2);
+  scene.may_divide = false;
   WatchedRun run(scene.write(folder.path()));
   ASSERT_TRUE(run);
   Index punctured = 0, dragged = 0;
