@@ -2,6 +2,7 @@
 #ifdef SUTURA_WITH_CHOLMOD
 
 #include <cholmod.h>
+#include <pthread.h>
 
 #include <cassert>
 #include <mutex>
@@ -44,9 +45,14 @@ class OneBlasThread {
  public:
   OneBlasThread() {
     if (!openblas_set_num_threads || !openblas_get_num_threads) return;
+    // OpenBLAS takes its time to start and end workers. A process that forked meanwhile on another
+    // worker would leave the lock held in its child, for ever.
+    [[maybe_unused]] static const int watched =
+        ::pthread_atfork([] { mutex_.lock(); }, [] { mutex_.unlock(); }, in_child);
     const std::lock_guard lock(mutex_);
     if (alive_++ > 0) return;
-    threads_ = openblas_get_num_threads();
+    if (!interrupted_) threads_ = openblas_get_num_threads();
+    interrupted_ = false;
     openblas_set_num_threads(1);
   }
   ~OneBlasThread() {
@@ -59,8 +65,16 @@ class OneBlasThread {
   OneBlasThread& operator=(const OneBlasThread&) = delete;
 
  private:
+  /// Those of other workers do not come along.
+  static void in_child() {
+    interrupted_ = interrupted_ || alive_ > 0;
+    alive_ = 0;
+    mutex_.unlock();
+  }
+
   inline static std::mutex mutex_;
   inline static int alive_ = 0, threads_ = 1;
+  inline static bool interrupted_ = false;  ///< nobody has put back what the host had set
 };
 
 /// What every call of CHOLMOD is made under.
