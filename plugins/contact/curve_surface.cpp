@@ -304,9 +304,7 @@ Vec3 CurveSurface::slip(const Touch& t) const {
 
 Real CurveSurface::rolled(const Touch& t) const {
   const Pose still;
-  return (moved_on(still, still, curve_, t.first_place, t.first_arm) -
-          moved_on(still, still, curve_, t.first_place, Vec3::Zero()))
-      .norm();
+  return rolled_on(still, still, curve_, t.first_place, t.first_arm);
 }
 
 void CurveSurface::couple(const Touch& t, BlockId block, const Directions& axes,

@@ -276,10 +276,8 @@ Vec3 CurveTool::slip(const Touch& t) const {
 }
 
 Real CurveTool::rolled(const Touch& t) const {
-  const Vec3 of_centre =
-      moved_on(tool_.placed(Configuration::start), tool_.placed(Configuration::current), curve_,
-               t.first_place, Vec3::Zero());
-  return (slip(t) - of_centre).norm();
+  return rolled_on(tool_.placed(Configuration::start), tool_.placed(Configuration::current), curve_,
+                   t.first_place, t.first_arm);
 }
 
 void CurveTool::couple(const Touch& t, BlockId block, const Directions& axes,

@@ -124,6 +124,15 @@ inline Vec3 moved_on(const Pose& partner_was, const Pose& partner_is, const Segm
   return moved_on(partner_was, partner_is, curve, s, SectionMotion(curve, s), arm);
 }
 
+/// How far the surface of the section has rolled, seen from such a partner (m).
+inline Real rolled_on(const Pose& partner_was, const Pose& partner_is, const SegmentedCurve& curve,
+                      Real s, const Vec3& arm) {
+  const SectionMotion section(curve, s);
+  return (moved_on(partner_was, partner_is, curve, s, section, arm) -
+          moved_on(partner_was, partner_is, curve, s, section, Vec3::Zero()))
+      .norm();
+}
+
 /// The lowest height over a plane that any point of the segment has on its way.
 inline Real lowest_on_the_way(const CurveSegment& start, const CurveSegment& now,
                               const Vec3& normal) {

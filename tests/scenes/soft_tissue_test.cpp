@@ -148,15 +148,16 @@ TEST(SoftTissue, SaysWhereItIsTooSoftForWhatTheTipPresses) {
     while (run.simulation().time() < 0.3 - 1e-9) {
       const StepReport& report = run.simulation().step();
       const Real pierced_before = std::exchange(pierced, run.number("/puncture", "punctures"));
-      if (std::get<std::string>(run.output("/puncture", "state")) != "pressing") continue;
-      // A puncture fires at the threshold, and leaves the force of the cut.
-      const Real force =
-          pierced > pierced_before ? block.threshold : run.number("/puncture", "force");
+      // A puncture fires at the threshold, and leaves the force of the cut. It may divide its step.
+      const bool goes_through = pierced > pierced_before;
+      if (!goes_through && std::get<std::string>(run.output("/puncture", "state")) != "pressing")
+        continue;
+      const Real force = goes_through ? block.threshold : run.number("/puncture", "force");
       const bool says = std::any_of(report.faults.begin(), report.faults.end(), says_too_soft);
       EXPECT_EQ(says, force > bears) << dt << ", " << report.time;
       pressed += force > bears;
     }
-    EXPECT_GE(pressed, 2) << dt;
+    EXPECT_GT(pressed, 2) << dt;
   }
   TextRun run = needle_into({100e3, 0.22, 0.23, 0.225, 0.1, 90, 0.44}, 2e-3);
   ASSERT_TRUE(run) << run.said();

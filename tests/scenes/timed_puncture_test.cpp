@@ -47,14 +47,18 @@ TEST(TimedPuncture, DividesItsStepAndNoOther) {
 
 // The force at rest goes by where the mouths are, to the way of the tip in a step times the
 // stiffness of the tissue. At the end of their step they were up to 1.2 mm further on, and the hand
-// felt 2.3 times what it feels with steps of 2 ms. What is left, a third, is how far tissue is
-// dragged along in the step.
+// felt 2.3 times what it feels with steps of 2 ms, and half of it with steps of 20 ms. What is
+// left, a third at 20 ms, is how far tissue is dragged along in the step.
 TEST(TimedPuncture, ALongStepLeavesTheForceOfAShortOne) {
-  TextRun brief = bite("2 ms"), lengthy = bite("50 ms");
-  ASSERT_TRUE(brief && lengthy) << brief.said();
-  for (TextRun* run : {&brief, &lengthy}) run->run(1.4);
+  TextRun brief = bite("2 ms");
+  ASSERT_TRUE(brief) << brief.said();
+  brief.run(1.4);
   const Real right = brief.vector("/hand", "force").norm();
-  EXPECT_NEAR(lengthy.vector("/hand", "force").norm(), right, 0.4 * right);
+  for (const char* dt : {"20 ms", "50 ms"}) {
+    TextRun lengthy = bite(dt);
+    lengthy.run(1.4);
+    EXPECT_NEAR(lengthy.vector("/hand", "force").norm(), right, 0.35 * right) << dt;
+  }
 }
 
 }  // namespace
