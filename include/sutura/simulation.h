@@ -238,7 +238,7 @@ class Simulation {
   std::vector<char> settled_;         ///< per body: the next pass leaves it where it is
   Real violation_ = 0;                ///< likewise
   bool may_divide_ = false;           ///< this part of the step may be shorter
-  Real relative_violation_ = 0;       ///< likewise, beside what is allowed
+  Real relative_violation_ = 0;       ///< that of the present guess, beside what is allowed
   std::unique_ptr<BetterGuess> better_guess_;
   std::unique_ptr<BestGuess> best_guess_;
   std::vector<VecX> motion_;          ///< memory of `detect`
