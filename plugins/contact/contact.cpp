@@ -31,12 +31,7 @@ constexpr Real idle = 0.1;
 constexpr Real rolls = 0.1;
 constexpr Real closely = 1e-3;
 
-/// Instead of the memory of a contact that keeps no places.
-class Nowhere : public TouchedPlaces {
- public:
-  Real between(Real, Real) const override { return std::numeric_limits<Real>::quiet_NaN(); }
-};
-const Nowhere nowhere;
+const NoPlaces nowhere;
 
 }  // namespace
 

@@ -35,12 +35,6 @@ Real distance_between(const Corners& a, const Corners& b) {
   return std::sqrt(least);
 }
 
-/// Is any node of a triangle?
-bool is_touched(const std::vector<char>& touched, const std::array<Index, 3>& nodes) {
-  return std::any_of(nodes.begin(), nodes.end(),
-                     [&](Index node) { return touched[static_cast<std::size_t>(node)] != 0; });
-}
-
 }  // namespace
 
 Real SurfaceSurface::edge_length() const {
@@ -57,18 +51,14 @@ void SurfaceSurface::look(bool standing) {
   if (!is_self_ && second_.look(standing)) normals_second_.look(second_);
 }
 
-void SurfaceSurface::look_for_touches(const TouchedPlaces&, std::vector<Touch>& out) {
+void SurfaceSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   begin_look();
   look(false);
   const Real reach = margin * edge_length();
-  meet(false, reach, out);
-  if (second().boundary()->is_rigid()) {
-    // What lies on a tool is held at its nodes: where the tool's nodes are in the same triangles,
-    // they would say it again.
-    touched_first_.assign(normals_first_.nodes(), 0);
-    for (const Touch& t : out) touched_first_[static_cast<std::size_t>(t.node)] = 1;
-  }
-  if (!is_self_) meet(true, reach, out);
+  const std::size_t others = out.size();
+  meet(false, reach, before, out);
+  if (second().boundary()->is_rigid()) held_.look(first_, std::span(out).subspan(others));
+  if (!is_self_) meet(true, reach, before, out);
   drop_doubles(out);
   meet_edges(reach, out);
   if (free_way_ == 1) doubt();
@@ -101,7 +91,8 @@ void SurfaceSurface::doubt() {
   }
 }
 
-void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>& out) {
+void SurfaceSurface::meet(bool nodes_are_second, Real reach, const TouchedPlaces& before,
+                          std::vector<Touch>& out) {
   const Real around = std::max(reach, depth * edge_length());
   const bool faces_are_second = !is_self_ && !nodes_are_second;
   NearTriangles& near = nodes_are_second ? near_second_ : near_first_;
@@ -110,6 +101,7 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, std::vector<Touch>&
                       nodes_are_second ? normals_second_ : normals_first_,
                       faces_are_second ? normals_second_ : normals_first_,
                       near,
+                      before,
                       nodes_are_second,
                       reach,
                       around};
@@ -132,13 +124,12 @@ void SurfaceSurface::meet_node(const Search& search, std::size_t place, std::vec
     if (normal.dot(seeker.outward) > away) continue;
     const bool is_facing = normal.dot(seeker.outward) <= facing;
     if (!is_facing && !faces_a_side(search, n, normal)) continue;
-    if (is_said_already(search, t)) continue;
     const Passing through = passing(nodes, n.node, faces, t);
     if (through.free < first.free) {
       first = through;
       best = {t, through.weights, 0};
     }
-    if (first.free == 1 && is_facing) add_near(search, t, seeker);
+    if (first.free == 1 && is_facing) add_near(search, n.node, t, seeker);
   }
   if (first.free == 1 && near_.empty()) return;
   if (is_self_ && ends_a_cut(search, n)) return;
@@ -166,7 +157,7 @@ void SurfaceSurface::touch(const Search& search, const MovingSurface::SurfaceNod
   t.node_triangle = n.triangle;
   t.node_weights = n.weights;
   t.nodes_are_second = search.nodes_are_second;
-  t.first_place = static_cast<Real>(search.nodes_are_second ? -1 - n.node : n.node);
+  t.first_place = place_of(search, n.node);
   t.second_place = static_cast<Real>(on.triangle);
 }
 
@@ -188,10 +179,17 @@ bool SurfaceSurface::make_valley(const Search& search, Index one, Index other) c
   return one != other && is_in_front(one, other) && is_in_front(other, one);
 }
 
-/// Where nodes of the first, which lie on the tool, say that the two touch.
-bool SurfaceSurface::is_said_already(const Search& search, Index triangle) const {
-  return search.nodes.boundary()->is_rigid() &&
-         is_touched(touched_first_, search.faces.nodes(triangle));
+Real SurfaceSurface::place_of(const Search& search, Index node) {
+  return static_cast<Real>(search.nodes_are_second ? -1 - node : node);
+}
+
+/// A node of a tool, where nodes of the tissue that lie on the tool say that the two touch.
+bool SurfaceSurface::is_said_already(const Search& search, Index node, Index triangle,
+                                     Real height) const {
+  if (!search.nodes.boundary()->is_rigid()) return false;
+  const Real place = place_of(search, node);
+  const bool was_touched = !std::isnan(search.before.between(place - 0.5, place + 0.5));
+  return held_.hold(search.faces.nodes(triangle), height, was_touched);
 }
 
 /// A node where a closed cut ends belongs to both walls, and the normals of these cancel out, so
@@ -229,7 +227,7 @@ bool SurfaceSurface::faces_a_side(const Search& search, const MovingSurface::Sur
   });
 }
 
-void SurfaceSurface::add_near(const Search& search, Index t, Seeker& seeker) {
+void SurfaceSurface::add_near(const Search& search, Index node, Index t, Seeker& seeker) {
   const MovingSurface& faces = search.faces;
   const Corners c = faces.now(t);
   const TrianglePoint foot = closest_point(seeker.at, c);
@@ -240,6 +238,7 @@ void SurfaceSurface::add_near(const Search& search, Index t, Seeker& seeker) {
   const Real aside = beside * search.around / depth;
   if ((apart - height * normal).norm() > aside) return;
   if (height > search.reach || height < -deepest(faces, t)) return;
+  if (is_said_already(search, node, t, height)) return;
   if (height < -slack) {
     // What is behind a triangle is inside, or on the far side of something thin, or beside it. A
     // little before the node, so that what it belongs to does not count.
@@ -377,7 +376,7 @@ Real SurfaceSurface::distance() const {
   std::vector<Touch> touches;
   const Real widest = now.first_.size();
   for (Real reach = margin * now.edge_length(); touches.empty() && reach < widest; reach *= 4)
-    now.meet(false, reach, touches);
+    now.meet(false, reach, NoPlaces(), touches);
   Real smallest = std::numeric_limits<Real>::infinity();
   for (const Touch& t : touches) smallest = std::min(smallest, t.gap);
   return smallest;

@@ -6,6 +6,7 @@
 
 #include "bulge.h"
 #include "edges_through.h"
+#include "held_triangles.h"
 #include "near_triangles.h"
 #include "surface_edges.h"
 #include "touch.h"
@@ -55,6 +56,7 @@ class SurfaceSurface : public Pair {
     const SurfaceNormals& node_normals;
     const SurfaceNormals& face_normals;
     const NearTriangles& near;
+    const TouchedPlaces& before;
     bool nodes_are_second;
     Real reach;   ///< in front of a triangle (m)
     Real around;  ///< m
@@ -63,9 +65,12 @@ class SurfaceSurface : public Pair {
     Vec3 at, outward;
     std::optional<bool> is_inside;  ///< the body of the triangles, as far as that was asked
   };
-  void meet(bool nodes_are_second, Real reach, std::vector<Touch>& out);
+  void meet(bool nodes_are_second, Real reach, const TouchedPlaces& before,
+            std::vector<Touch>& out);
   void meet_node(const Search& search, std::size_t place, std::vector<Touch>& out);
-  bool is_said_already(const Search& search, Index triangle) const;
+  /// Of a touch, on the first partner; those of nodes of the second are below 0.
+  static Real place_of(const Search& search, Index node);
+  bool is_said_already(const Search& search, Index node, Index triangle, Real height) const;
   static bool ends_a_cut(const Search& search, const MovingSurface::SurfaceNode& n);
   static Real turned_away(const Search& search, const MovingSurface::SurfaceNode& n,
                           const Vec3& outward);
@@ -101,7 +106,7 @@ class SurfaceSurface : public Pair {
     Real distance = 0;  ///< m
   };
   /// To those of the node, if this one is.
-  void add_near(const Search& search, Index triangle, Seeker& seeker);
+  void add_near(const Search& search, Index node, Index triangle, Seeker& seeker);
   Near nearest() const;
   bool make_valley(const Search& search, Index one, Index other) const;
   static void touch(const Search& search, const MovingSurface::SurfaceNode& node, const Vec3& at,
@@ -117,7 +122,7 @@ class SurfaceSurface : public Pair {
   std::vector<Ridge> ridges_;
   std::vector<std::pair<Index, Index>> near_ridges_;  ///< ascending
   const SurfaceEdges& edges_of_second() const { return is_self_ ? edges_first_ : edges_second_; }
-  std::vector<char> touched_first_;  ///< by node
+  HeldTriangles held_;
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
 };
 

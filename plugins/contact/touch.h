@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sutura/constraints.h"
@@ -47,6 +48,12 @@ class TouchedPlaces {
   virtual ~TouchedPlaces() = default;
   /// The first of them after `low` and before `high`, or not a number.
   virtual Real between(Real low, Real high) const = 0;
+};
+
+/// For those who remember none.
+class NoPlaces : public TouchedPlaces {
+ public:
+  Real between(Real, Real) const override { return std::numeric_limits<Real>::quiet_NaN(); }
 };
 
 /// Finds the touches of one pair of partners, and knows their rows.
