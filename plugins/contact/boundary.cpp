@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "split_edges.h"
 #include "sutura/geometry/poses.h"
 
 namespace sutura::contact {
@@ -26,17 +27,20 @@ void SolidBoundary::couple(ConstraintBuilder& builder, BlockId block, const Dire
   builder.couple(block, solid_, directions, J, at);
 }
 
+ToolBoundary::ToolBoundary(RigidTool& tool, Real longest)
+    : tool_(tool),
+      mesh_(split_convex_edges({tool.mesh()->points(), tool.mesh()->triangles()}, longest)) {}
+
 TriangleSurface ToolBoundary::surface(Configuration c) const {
-  const TriangleMesh& mesh = *tool_.mesh();
   std::vector<Real>& positions = positions_[static_cast<std::size_t>(c)];
-  positions.resize(3 * mesh.points().size());
+  positions.resize(3 * mesh_.points.size());
   const Pose frame = tool_.placed(c);
   Real* x = positions.data();
-  for (const Vec3& p : mesh.points()) {
+  for (const Vec3& p : mesh_.points) {
     Eigen::Map<Vec3>{x} = at(frame, p);
     x += 3;
   }
-  return {mesh.triangles(), positions, ++generation_};
+  return {mesh_.triangles, positions, ++generation_};
 }
 
 Real ToolBoundary::depth(const Vec3& p) const {

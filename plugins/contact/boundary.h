@@ -2,6 +2,7 @@
 // rigid and takes whatever pushes it.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "rigid_tool.h"
@@ -42,10 +43,10 @@ class SolidBoundary : public Boundary {
   const MeshedSolid& solid_;
 };
 
-/// Of a tool that is a mesh.
+/// Of a tool that is a mesh, with nodes on its convex edges at distances of `longest` at most (m).
 class ToolBoundary : public Boundary {
  public:
-  explicit ToolBoundary(RigidTool& tool) : tool_(tool) {}
+  explicit ToolBoundary(RigidTool& tool, Real longest = std::numeric_limits<Real>::infinity());
   TriangleSurface surface(Configuration c) const override;
   Real depth(const Vec3& p) const override;
   Real distance(const Vec3& p, Real reach) const override;
@@ -57,6 +58,7 @@ class ToolBoundary : public Boundary {
 
  private:
   RigidTool& tool_;
+  TriangleData mesh_;                       ///< seen from the frame of the shape
   mutable std::vector<Real> positions_[3];  ///< by configuration
   mutable std::uint64_t generation_ = 0;
 };

@@ -31,6 +31,10 @@ constexpr Real idle = 0.1;
 constexpr Real rolls = 0.1;
 constexpr Real closely = 1e-3;
 
+/// A tool that is a mesh touches tissue between its nodes at nodes of its own. So far apart these
+/// are on its convex edges at most, in units of the mean edge of the tissue.
+constexpr Real apart = 0.5;
+
 const NoPlaces nowhere;
 
 }  // namespace
@@ -107,9 +111,14 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) const {
   auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
   const auto skin = [](const MeshedSolid& of) { return std::make_shared<SolidBoundary>(of); };
   if (tool_ && tool_->mesh() != nullptr) {
-    const auto shell = std::make_shared<ToolBoundary>(*tool_);
-    if (curve != nullptr) return std::make_unique<CurveSurface>(*curve, shell, nullptr);
-    if (solid != nullptr) return std::make_unique<SurfaceSurface>(skin(*solid), shell);
+    if (curve != nullptr)
+      return std::make_unique<CurveSurface>(*curve, std::make_shared<ToolBoundary>(*tool_),
+                                            nullptr);
+    if (solid != nullptr) {
+      const Real longest = apart * mean_edge(solid->surface(Configuration::rest));
+      return std::make_unique<SurfaceSurface>(skin(*solid),
+                                              std::make_shared<ToolBoundary>(*tool_, longest));
+    }
   } else if (tool_) {
     if (curve != nullptr) return std::make_unique<CurveTool>(*curve, *tool_);
     if (solid != nullptr) return std::make_unique<SurfaceTool>(skin(*solid), *tool_);

@@ -5,6 +5,15 @@
 
 namespace sutura::contact {
 
+Real mean_edge(const TriangleSurface& surface) {
+  Real sum = 0;
+  for (Index t = 0; t < surface.size(); ++t) {
+    const Corners c = surface.corners(t);
+    for (std::size_t k = 0; k < 3; ++k) sum += (c[(k + 1) % 3] - c[k]).norm();
+  }
+  return sum / static_cast<Real>(std::max<Index>(3 * surface.size(), 1));
+}
+
 bool MovingSurface::look(bool standing) {
   const std::uint64_t seen_now = now_.generation, seen_start = start_.generation;
   now_ = boundary_->surface(Configuration::current);
@@ -29,17 +38,14 @@ void MovingSurface::fit() const {
 void MovingSurface::learn() {
   const TriangleSurface rest = boundary_->surface(Configuration::rest);
   std::vector<Vec3> centres;
-  Real sum = 0;
   for (Index t = 0; t < rest.size(); ++t) {
     const Corners c = rest.corners(t);
     centres.push_back((c[0] + c[1] + c[2]) / 3);
-    for (std::size_t k = 0; k < 3; ++k) {
-      sum += (c[(k + 1) % 3] - c[k]).norm();
+    for (std::size_t k = 0; k < 3; ++k)
       nodes_.push_back({nodes(t)[k], t, Vec3::Unit(static_cast<Index>(k))});
-    }
   }
   tree_ = std::make_unique<BoxTree>(centres);
-  edge_length_ = sum / static_cast<Real>(std::max<Index>(3 * rest.size(), 1));
+  edge_length_ = mean_edge(rest);
   std::stable_sort(nodes_.begin(), nodes_.end(),
                    [](const SurfaceNode& a, const SurfaceNode& b) { return a.node < b.node; });
   std::size_t count = 0;

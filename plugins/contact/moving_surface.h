@@ -12,6 +12,9 @@
 
 namespace sutura::contact {
 
+/// Mean length of the edges of its triangles, 0 of none (m).
+Real mean_edge(const TriangleSurface& surface);
+
 class MovingSurface {
  public:
   explicit MovingSurface(std::shared_ptr<const Boundary> boundary)
