@@ -101,6 +101,7 @@ void Puncture::archive(Archive& a) {
   a("threshold_here", threshold_here_);
   a("presses", presses_);
   a("place", place_);
+  a("left", left_);
   a("lifted", lifted_);
   a("touched", touched_.at);
   a("touched_triangle", touched_.triangle);
@@ -124,7 +125,10 @@ void Puncture::detect(const StepContext& context) {
   const bool meets = front_ == Front::none && context.pass > 0 && meet_on_the_way();
   if (meets) lay_footprint();
   find_walls_behind(meets || context.pass == 0);
-  if (front_ != Front::none && front_ != Front::overrun) follow(front_, footprint_, touched_);
+  if (front_ != Front::none && front_ != Front::overrun) {
+    follow(front_, footprint_, touched_);
+    touched_.position -= left_ * touched_.normal;
+  }
   for (std::size_t k = 0; k < walls_behind_; ++k)
     follow(behind_[k].front, behind_[k].footprint, behind_[k].touched);
   path_->set_tip_blocked({});

@@ -41,6 +41,7 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Footprint::Pressing pressing(Front front, const SurfacePoint& touched) const;
   bool keeps_place();
   bool is_free(Real above);
+  Real overlap() const;
   bool is_past_edge(const Vec3& normal, Real apart) const;
   Front find_entry();
   bool is_inside() const;
@@ -76,6 +77,9 @@ class Puncture : public Component, public ConstraintSource, private RegionThresh
   Front front_ = Front::none;
   bool blocked_ = false;  ///< the front holds the tip from the inside
   Footprint footprint_;
+  /// So far behind the surface the tip has been found, before it pressed there: tissue has sprung
+  /// back past it. Pushed out at once it would press harder the shorter the step is (m).
+  Real left_ = 0;
   bool presses_ = false;       ///< it has a place where it presses, on entry or exit
   Front place_ = Front::none;  ///< which of the two
   bool lifted_ = false;        ///< but it bore no force in the last step

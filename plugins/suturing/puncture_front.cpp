@@ -25,7 +25,11 @@ void Puncture::find_front() {
   // It presses from the side on which it is.
   const bool stays = presses_ && place_ != Front::layer &&
                      path_->channel().tip_inside() == (place_ == Front::exit);
-  if (stays && keeps_place()) return;
+  if (stays && keeps_place()) {
+    left_ = std::min(left_, overlap());
+    return;
+  }
+  left_ = 0;
   search_front();
   if (front_ == Front::none || front_ == Front::overrun) return;
   lay_footprint();
@@ -34,6 +38,14 @@ void Puncture::find_front() {
   const Vec3 back = path_->thread().tangent(0, start);
   const Real side = front_ == Front::exit ? -1 : 1;
   if (side * footprint_.normal(path_->tissue(), start).dot(back) < along) front_ = Front::none;
+  if (front_ == Front::entry) left_ = overlap();
+}
+
+/// By how much the tip stands behind the surface that it presses on from outside (m).
+Real Puncture::overlap() const {
+  const Vec3 tip = path_->thread().point(0, start);
+  const Vec3 way = footprint_.position(path_->tissue(), start) - tip;
+  return std::max(Real(0), way.dot(footprint_.normal(path_->tissue(), start)));
 }
 
 void Puncture::search_front() {
