@@ -1,5 +1,7 @@
 #include "surface_normals.h"
 
+#include <cmath>
+
 namespace sutura::contact {
 
 void SurfaceNormals::look(const MovingSurface& surface) {
@@ -11,10 +13,14 @@ void SurfaceNormals::look(const MovingSurface& surface) {
   const auto across = [](const Corners& c) { return Vec3((c[1] - c[0]).cross(c[2] - c[0])); };
   for (Index t = 0; t < surface.triangles(); ++t) {
     const auto i = static_cast<std::size_t>(t);
-    const Vec3 normal = across(surface.now(t));
-    now_[i] = normal.normalized();
+    const Corners c = surface.now(t);
+    now_[i] = across(c).normalized();
     start_[i] = across(surface.at_start(t)).normalized();
-    for (const Index node : surface.nodes(t)) of_node_[static_cast<std::size_t>(node)] += normal;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 u = c[(k + 1) % 3] - c[k], v = c[(k + 2) % 3] - c[k];
+      const Real angle = std::atan2(u.cross(v).norm(), u.dot(v));
+      of_node_[static_cast<std::size_t>(surface.nodes(t)[k])] += angle * now_[i];
+    }
   }
 }
 
