@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <numeric>
 
+#include "sutura/geometry/box_tree.h"
+#include "sutura/geometry/distances.h"
+
 namespace sutura::tissue {
 namespace {
 
@@ -93,6 +96,47 @@ void count_parts(const MeshData& mesh, MeshReport& report) {
     if (first[i] == static_cast<Index>(i)) ++report.parts;
 }
 
+/// Nodes of the boundary within a triangle of it whose corner they are not: one side of a surface
+/// is divided otherwise than the other.
+void count_hanging_nodes(const MeshData& mesh, const std::vector<BoundaryFace>& boundary,
+                         MeshReport& report) {
+  constexpr Real rounding = 1e-9;  // of the size of the mesh
+  const Real near = rounding * (report.high - report.low).norm();
+  const auto corners = [&](Index face) {
+    const Triangle& t = boundary[static_cast<std::size_t>(face)].nodes;
+    return Corners{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+  };
+  std::vector<Vec3> centres;
+  std::vector<Index> nodes;
+  for (std::size_t i = 0; i < boundary.size(); ++i) {
+    const Corners c = corners(static_cast<Index>(i));
+    centres.push_back((c[0] + c[1] + c[2]) / 3);
+    for (const Index n : boundary[i].nodes) nodes.push_back(n);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  const BoxTree tree(centres);
+  BoxTree::Boxes boxes;
+  tree.refit(boxes, [&](Index face) {
+    Box box;
+    for (const Vec3& p : corners(face)) box.add(p);
+    return box.grown(near);
+  });
+  for (const Index n : nodes) {
+    const Vec3& p = mesh.points[n];
+    bool hangs = false;
+    tree.visit(
+        boxes, [&](const Box& box) { return !hangs && box.squared_distance(p) == 0; },
+        [&](Index face) {
+          const Corners c = corners(face);
+          const auto is_at = [&](const Vec3& corner) { return (corner - p).norm() <= near; };
+          if (std::none_of(c.begin(), c.end(), is_at))
+            hangs = hangs || (closest_point(p, c).on(c) - p).norm() <= near;
+        });
+    if (hangs) ++report.hanging_nodes;
+  }
+}
+
 /// Each face belongs to one tet (boundary) or to two that lie on opposite sides of it.
 std::string find_boundary(const MeshData& mesh, std::vector<BoundaryFace>& boundary) {
   struct Face {
@@ -148,6 +192,10 @@ void write_warnings(MeshReport& r, Index tets, bool assumed_metres) {
   if (r.duplicate_nodes > 0)
     w.push_back(plural(r.duplicate_nodes, "node lies", "nodes lie") +
                 " exactly on another one: the mesh is not joined there");
+  if (r.hanging_nodes > 0)
+    w.push_back(plural(r.hanging_nodes, "node lies", "nodes lie") +
+                " within the face of a tetrahedron without being a corner of it: the mesh is not "
+                "joined there");
   if (r.parts > 1)
     w.push_back("the mesh has " + std::to_string(r.parts) + " parts that are not connected");
   if (r.slivers > 0)
@@ -192,6 +240,7 @@ CheckedMesh check_mesh(MeshData& mesh, bool assumed_metres) {
     report.low = report.low.cwiseMin(p);
     report.high = report.high.cwiseMax(p);
   }
+  if (out.error.empty()) count_hanging_nodes(mesh, out.boundary, report);
   write_warnings(report, static_cast<Index>(mesh.tets.size()), assumed_metres);
   return out;
 }

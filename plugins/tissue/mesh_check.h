@@ -20,6 +20,8 @@ struct MeshReport {
   Index unused_nodes = 0;  ///< removed
   /// Nodes at the very place of another one, but for those of cuts: the mesh may come apart there.
   Index duplicate_nodes = 0;
+  Index hanging_nodes =
+      0;                   ///< of the boundary, within a triangle of it of which they are no corner
   Index parts = 0;         ///< pieces that share no face, edge or node
   Index slivers = 0;       ///< tets of quality below 0.05
   Real worst_quality = 1;  ///< 6 sqrt(2) V / (rms edge)^3: 1 for the regular tet, 0 for a flat one

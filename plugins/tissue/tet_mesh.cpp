@@ -64,13 +64,21 @@ std::optional<int> TetMesh::region(const std::string& name_or_tag, std::string& 
   const std::set<int> present(data().region.begin(), data().region.end());
   std::string list;
   std::vector<std::string> names;
+  std::vector<int> found;
   for (const int tag : present) {
     const auto named = data().region_names.find(tag);
     const std::string name = named == data().region_names.end() ? std::string() : named->second;
-    if (name_or_tag == std::to_string(tag) || (!name.empty() && name_or_tag == name)) return tag;
+    if (name_or_tag == std::to_string(tag) || (!name.empty() && name_or_tag == name))
+      found.push_back(tag);
     if (!name.empty()) names.push_back(name);
     list +=
         (list.empty() ? "" : ", ") + std::to_string(tag) + (name.empty() ? "" : " (" + name + ")");
+  }
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    error = "'" + name_or_tag + "' is the name or the number of " + std::to_string(found.size()) +
+            " regions of the mesh; it has " + list;
+    return {};
   }
   error = "the mesh has no region '" + name_or_tag + "'" + did_you_mean(name_or_tag, names) +
           "; it has " + list;

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "mesh_check.h"
+#include "tissue_meshes.h"
 
 namespace sutura::tissue {
 namespace {
@@ -78,6 +80,32 @@ TEST(MeshFile, ReadsTheTwoBoxes) {
   }
   EXPECT_NEAR(area, 2 * (2 * 1) + 2 * (2 * 2) + 2 * (1 * 2), 1e-12);
   EXPECT_LT(closed.norm(), 1e-12);
+}
+
+// Two cubes with a common side, which is one square of the first and four of the second. The five
+// nodes of the second that are no corners of the square go their own way.
+TEST(MeshCheck, FindsNodesThatHangWithinAFace) {
+  MeshData mesh = test::kuhn_block({1, 1, 1}, Vec3::Ones());
+  const MeshData other = test::kuhn_block({2, 2, 2}, Vec3::Ones());
+  std::vector<Index> number;
+  for (const Vec3& q : other.points) {
+    const Vec3 p = q + Vec3::UnitX();
+    const auto same = std::find(mesh.points.begin(), mesh.points.begin() + 8, p);
+    number.push_back(static_cast<Index>(same - mesh.points.begin()));
+    if (same != mesh.points.begin() + 8) continue;
+    number.back() = static_cast<Index>(mesh.points.size());
+    mesh.points.push_back(p);
+  }
+  for (Tet t : other.tets) {
+    for (Index& i : t) i = number[static_cast<std::size_t>(i)];
+    mesh.tets.push_back(t);
+  }
+  mesh.region.assign(mesh.tets.size(), 0);
+  const CheckedMesh checked = check_mesh(mesh, false);
+  EXPECT_EQ(checked.error, "");
+  EXPECT_EQ(checked.report.hanging_nodes, 5);
+  ASSERT_EQ(checked.report.warnings.size(), 1u);
+  EXPECT_NE(checked.report.warnings.front().find("5 nodes lie within the face"), std::string::npos);
 }
 
 TEST(MeshFile, RefusesWhatItCannotRead) {
