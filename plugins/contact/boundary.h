@@ -2,6 +2,7 @@
 // rigid and takes whatever pushes it.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -43,9 +44,12 @@ class SolidBoundary : public Boundary {
   const MeshedSolid& solid_;
 };
 
-/// Of a tool that is a mesh, with nodes on its convex edges at distances of `longest` at most (m).
+/// Of a tool with flat sides, a mesh or a box with sharp edges. On its convex edges it has nodes at
+/// distances of `longest` at most (m).
 class ToolBoundary : public Boundary {
  public:
+  /// Is it such a tool?
+  static bool has_sides(const RigidTool& tool);
   explicit ToolBoundary(RigidTool& tool, Real longest = std::numeric_limits<Real>::infinity());
   TriangleSurface surface(Configuration c) const override;
   Real depth(const Vec3& p) const override;
@@ -57,9 +61,16 @@ class ToolBoundary : public Boundary {
   void tell_force(const Vec3& force, const Vec3& at) const override { tool_.add_force(force, at); }
 
  private:
+  Real signed_distance(const Vec3& p) const;
+
   RigidTool& tool_;
-  TriangleData mesh_;                       ///< seen from the frame of the shape
-  mutable std::vector<Real> positions_[3];  ///< by configuration
+  TriangleData mesh_;  ///< seen from the frame of the shape
+  struct Placed {
+    Pose frame;
+    std::vector<Real> positions;   ///< of the nodes there (m)
+    std::uint64_t generation = 0;  ///< 0: nowhere yet
+  };
+  mutable std::array<Placed, 3> placed_;  ///< by configuration
   mutable std::uint64_t generation_ = 0;
 };
 

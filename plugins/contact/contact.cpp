@@ -110,19 +110,15 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) const {
   auto* curve = dynamic_cast<SegmentedCurve*>(first_.get());
   auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
   const auto skin = [](const MeshedSolid& of) { return std::make_shared<SolidBoundary>(of); };
-  if (tool_ && tool_->mesh() != nullptr) {
-    if (curve != nullptr)
-      return std::make_unique<CurveSurface>(*curve, std::make_shared<ToolBoundary>(*tool_),
-                                            nullptr);
-    if (solid != nullptr) {
-      const Real longest = apart * mean_edge(solid->surface(Configuration::rest));
-      return std::make_unique<SurfaceSurface>(skin(*solid),
-                                              std::make_shared<ToolBoundary>(*tool_, longest));
-    }
-  } else if (tool_) {
-    if (curve != nullptr) return std::make_unique<CurveTool>(*curve, *tool_);
-    if (solid != nullptr) return std::make_unique<SurfaceTool>(skin(*solid), *tool_);
+  if (tool_ && solid != nullptr && ToolBoundary::has_sides(*tool_)) {
+    const Real longest = apart * mean_edge(solid->surface(Configuration::rest));
+    return std::make_unique<SurfaceSurface>(skin(*solid),
+                                            std::make_shared<ToolBoundary>(*tool_, longest));
   }
+  if (tool_ && solid != nullptr) return std::make_unique<SurfaceTool>(skin(*solid), *tool_);
+  if (tool_ && curve != nullptr && tool_->mesh() != nullptr)
+    return std::make_unique<CurveSurface>(*curve, std::make_shared<ToolBoundary>(*tool_), nullptr);
+  if (tool_ && curve != nullptr) return std::make_unique<CurveTool>(*curve, *tool_);
   Body* const touched = second_ ? second_.get() : first_.get();
   auto* other = dynamic_cast<SegmentedCurve*>(touched);
   auto* other_solid = dynamic_cast<MeshedSolid*>(touched);

@@ -111,6 +111,7 @@ class SurfaceSurface : public Pair {
   bool make_valley(const Search& search, Index one, Index other) const;
   static void touch(const Search& search, const MovingSurface::SurfaceNode& node, const Vec3& at,
                     const Near& on, std::vector<Touch>& out);
+  static void leave(const Search& search, const Vec3& from, Touch& t);
   std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
   ToolWay way_;  ///< of the second, if it is a tool
