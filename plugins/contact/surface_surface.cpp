@@ -55,6 +55,7 @@ void SurfaceSurface::look(bool standing) {
 void SurfaceSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   begin_look();
   look(false);
+  left_ = 0;
   const Real reach = margin * edge_length();
   const std::size_t others = out.size();
   meet(false, reach, before, out);
@@ -171,6 +172,7 @@ void SurfaceSurface::leave(const Search& search, const Vec3& from, Touch& t) {
   const Vec3 foot = t.weights[0] * c[0] + t.weights[1] * c[1] + t.weights[2] * c[2];
   const Real overlap = search.face_normals.at_start(t.triangle).dot(foot - from);
   t.left = std::max(Real(0), overlap - back * search.faces.edge_length());
+  left_ = std::max(left_, t.left);
 }
 
 /// Is each of two triangles in front of the other? Then a node between them is held by both: the
@@ -353,7 +355,8 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch& t) const {
 /// solved has left, is an edge of one in a triangle of the other.
 Real SurfaceSurface::unseen_overlap() {
   const Real least = seen * edge_length();
-  const Real worst = through_first_.deepest(first_, second(), least);
+  const Real worst =
+      std::max(through_first_.deepest(first_, second(), least), left_ > least ? left_ : Real(0));
   return is_self_ ? worst : std::max(worst, through_second_.deepest(second_, first_, least));
 }
 
