@@ -31,8 +31,8 @@ constexpr Real idle = 0.1;
 constexpr Real rolls = 0.1;
 constexpr Real closely = 1e-3;
 
-/// A tool that is a mesh touches tissue between its nodes at nodes of its own. So far apart these
-/// are on its convex edges at most, in units of the mean edge of the tissue.
+// A tool with flat sides touches tissue between its nodes at nodes of its own. On its convex edges
+// they are so far apart at most, in units of the mean edge of the tissue.
 constexpr Real apart = 0.5;
 
 const NoPlaces nowhere;

@@ -7,8 +7,9 @@ namespace sutura::contact {
 namespace {
 
 // In units of the mean edge of the tissue, as for tools that are no meshes (surface_tool.cpp).
-constexpr Real dip = 0.01;  // what is so much nearer than the corners is not held by them
-constexpr Real cut = 0.05;  // what a rim may cut into a triangle beside one that a side lies on
+constexpr Real dip = 0.01;   // what is so much nearer than the corners is not held by them
+constexpr Real cut = 0.05;   // what a rim may cut into a triangle beside one that a side lies on
+constexpr Real stays = 0.5;  // of that, a touch that there was stays
 
 }  // namespace
 
@@ -37,8 +38,9 @@ bool HeldTriangles::hold(const std::array<Index, 3>& corners, Real height, bool 
     lies_beside = lies_beside || lies_[static_cast<std::size_t>(n)] != 0;
   }
   // The rim of a side always cuts a little into the triangles around it: held there, a punch would
-  // press wider than it is.
-  if (lies_beside && height >= std::min(Real(0), at_corners) - cut * edge_) return true;
+  // press wider than it is. What has had a touch is let go later, else it would come and go.
+  const Real in = (was_touched ? stays : 1) * cut * edge_;
+  if (lies_beside && height >= std::min(Real(0), at_corners) - in) return true;
   return !was_touched && height >= at_corners - dip * edge_;
 }
 

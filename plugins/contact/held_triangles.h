@@ -15,16 +15,14 @@ class HeldTriangles {
  public:
   /// `touches`: those that nodes of the tissue have with the tool, at the guess.
   void look(const MovingSurface& tissue, std::span<const Touch> touches);
-  /// Do the touches at the corners of a triangle hold what is at `height` over it as well (m)? Held
-  /// twice, W would be singular. `was_touched`: it had a touch of its own before.
+  /// Do the touches at the corners of a triangle hold a node of the tool at `height` over it too
+  /// (m)? Held twice, W would be singular. `was_touched`: the node had a touch of its own before.
   bool hold(const std::array<Index, 3>& corners, Real height, bool was_touched) const;
 
  private:
-  Real edge_ = 0;  ///< mean edge of the tissue (m)
-  std::vector<Real>
-      gap_;  ///< by node of the tissue: between it and the tool; infinite without a touch (m)
-  std::vector<char>
-      lies_;  ///< by node: a side of the tool lies on a triangle of which it is a corner
+  Real edge_ = 0;           ///< mean edge of the tissue (m)
+  std::vector<Real> gap_;   ///< by node: of its touch; infinite without one (m)
+  std::vector<char> lies_;  ///< by node: all three corners of a triangle around it are pressed
 };
 
 }  // namespace sutura::contact

@@ -7,7 +7,7 @@
 namespace sutura::contact {
 namespace {
 
-constexpr Real flat = 1e-3;  // radian: by so much the sides of an edge turn at least
+constexpr Real flat = 1e-3;  // rad: at an edge whose sides turn by less the surface is flat
 
 /// A closed surface of which edges can be halved.
 class Splitting {
@@ -42,9 +42,9 @@ class Splitting {
 
  private:
   using Edge = std::pair<Index, Index>;  // the lower number first
+  /// The triangle that runs from its first point to its second, and the other one.
   struct Sides {
-    std::size_t up = 0,
-                down = 0;  ///< the triangle that runs from the first to the second, and the other
+    std::size_t up = 0, down = 0;
   };
 
   static Edge ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
@@ -112,7 +112,7 @@ class Splitting {
 
 TriangleData split_convex_edges(TriangleData surface, Real longest) {
   Splitting splitting(std::move(surface));
-  splitting.split(longest);
+  if (longest > 0) splitting.split(longest);
   return splitting.take();
 }
 

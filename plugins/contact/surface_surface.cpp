@@ -16,7 +16,6 @@ constexpr Real margin = 0.25;    // a touch is built from this far, before there
 constexpr Real beside = 0.1;     // a node may stand so far beside a triangle
 constexpr Real arc = 0.125;      // as little a rim may cut off unseen beside a straight way
 constexpr Real seen = 0.1;       // deeper than this no overlap is left without a fault
-constexpr Real back = 5e-3;      // of an overlap with a tool so much is taken back in a step
 constexpr Real rounding = 1e-3;  // as far behind a triangle a node counts as being on it
 // Nor deeper than this part of the way through: there the other side is nearer.
 constexpr Real half_way = 0.5;
@@ -55,7 +54,6 @@ void SurfaceSurface::look(bool standing) {
 void SurfaceSurface::look_for_touches(const TouchedPlaces& before, std::vector<Touch>& out) {
   begin_look();
   look(false);
-  left_ = 0;
   const Real reach = margin * edge_length();
   const std::size_t others = out.size();
   meet(false, reach, before, out);
@@ -161,18 +159,6 @@ void SurfaceSurface::touch(const Search& search, const MovingSurface::SurfaceNod
   t.nodes_are_second = search.nodes_are_second;
   t.first_place = place_of(search, n.node);
   t.second_place = static_cast<Real>(on.triangle);
-  if (search.nodes.boundary()->is_rigid()) leave(search, at - search.nodes.moved(n.node), t);
-}
-
-/// Around nodes that are pressed a rim cuts into triangles that are not touched. What a node of the
-/// tool overlaps as the step begins, at `from`, is no work that the step has to do: it is left, but
-/// for so much that what steps miss does not add up.
-void SurfaceSurface::leave(const Search& search, const Vec3& from, Touch& t) {
-  const Corners c = search.faces.at(t.triangle, 0);
-  const Vec3 foot = t.weights[0] * c[0] + t.weights[1] * c[1] + t.weights[2] * c[2];
-  const Real overlap = search.face_normals.at_start(t.triangle).dot(foot - from);
-  t.left = std::max(Real(0), overlap - back * search.faces.edge_length());
-  left_ = std::max(left_, t.left);
 }
 
 /// Is each of two triangles in front of the other? Then a node between them is held by both: the
@@ -355,8 +341,7 @@ Pair::Tolerance SurfaceSurface::tolerance(const Touch& t) const {
 /// solved has left, is an edge of one in a triangle of the other.
 Real SurfaceSurface::unseen_overlap() {
   const Real least = seen * edge_length();
-  const Real worst =
-      std::max(through_first_.deepest(first_, second(), least), left_ > least ? left_ : Real(0));
+  const Real worst = through_first_.deepest(first_, second(), least);
   return is_self_ ? worst : std::max(worst, through_second_.deepest(second_, first_, least));
 }
 

@@ -27,7 +27,6 @@ class SurfaceSurface : public Pair {
     second().boundary()->tell_force(-force, touch.at);
   }
   Real unseen_overlap() override;
-  bool sees_left_overlap() const override { return true; }
   Real distance() const override;
   Tolerance tolerance(const Touch& touch) const override;
 
@@ -110,9 +109,8 @@ class SurfaceSurface : public Pair {
   void add_near(const Search& search, Index node, Index triangle, Seeker& seeker);
   Near nearest() const;
   bool make_valley(const Search& search, Index one, Index other) const;
-  void touch(const Search& search, const MovingSurface::SurfaceNode& node, const Vec3& at,
-             const Near& on, std::vector<Touch>& out);
-  void leave(const Search& search, const Vec3& from, Touch& t);
+  static void touch(const Search& search, const MovingSurface::SurfaceNode& node, const Vec3& at,
+                    const Near& on, std::vector<Touch>& out);
   std::vector<Near> near_;  ///< of the node that is looked at
   MovingSurface first_, second_;
   ToolWay way_;  ///< of the second, if it is a tool
@@ -125,7 +123,6 @@ class SurfaceSurface : public Pair {
   std::vector<std::pair<Index, Index>> near_ridges_;  ///< ascending
   const SurfaceEdges& edges_of_second() const { return is_self_ ? edges_first_ : edges_second_; }
   HeldTriangles held_;
-  Real left_ = 0;           ///< the deepest overlap that the touches leave (m)
   std::vector<Index> met_;  ///< by node of the first: the node of the second that it meets, or -1
 };
 
