@@ -1,5 +1,6 @@
 #include "boundary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -27,36 +28,17 @@ void SolidBoundary::couple(ConstraintBuilder& builder, BlockId block, const Dire
   builder.couple(block, solid_, directions, J, at);
 }
 
-namespace {
-
-TriangleData box(const Vec3& half_size) {
-  TriangleData out;
-  for (int i = 0; i < 8; ++i)
-    out.points.push_back(
-        half_size.cwiseProduct(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
-  out.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                   {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-  return out;
-}
-
-}  // namespace
-
-bool ToolBoundary::has_sides(const RigidTool& tool) {
-  return tool.mesh() != nullptr ||
-         (tool.shape().kind == Shape::Kind::box && tool.shape().rounding == 0);
-}
-
 ToolBoundary::ToolBoundary(RigidTool& tool, Real longest) : tool_(tool) {
-  const TriangleMesh* mesh = tool.mesh();
-  mesh_ = mesh != nullptr ? TriangleData{mesh->points(), mesh->triangles()}
-                          : box(tool.shape().half_size);
-  mesh_ = split_convex_edges(std::move(mesh_), longest);
+  mesh_ = {tool.mesh()->points(), tool.mesh()->triangles()};
+  Box all;
+  for (const Vec3& p : mesh_.points) all.add(p);
+  constexpr Real most = 256;  // nodes along a tool: a large one with a node every so often is slow
+  const Real shortest = (all.high - all.low).norm() / most;
+  mesh_ = split_convex_edges(std::move(mesh_), std::max(longest, shortest));
 }
 
 Real ToolBoundary::signed_distance(const Vec3& p) const {
-  const Vec3 local = seen_from(tool_.placed(Configuration::current), p);
-  return tool_.mesh() != nullptr ? tool_.mesh()->signed_distance(local)
-                                 : tool_.shape().at(local).distance;
+  return tool_.mesh()->signed_distance(seen_from(tool_.placed(Configuration::current), p));
 }
 
 TriangleSurface ToolBoundary::surface(Configuration c) const {

@@ -44,12 +44,10 @@ class SolidBoundary : public Boundary {
   const MeshedSolid& solid_;
 };
 
-/// Of a tool with flat sides, a mesh or a box with sharp edges. On its convex edges it has nodes at
-/// distances of `longest` at most (m).
+/// Of a tool that is a mesh. On its convex edges it has nodes at distances of `longest` at most
+/// (m), or of a 256th of its size where that is more.
 class ToolBoundary : public Boundary {
  public:
-  /// Is it such a tool?
-  static bool has_sides(const RigidTool& tool);
   explicit ToolBoundary(RigidTool& tool, Real longest = std::numeric_limits<Real>::infinity());
   TriangleSurface surface(Configuration c) const override;
   Real depth(const Vec3& p) const override;

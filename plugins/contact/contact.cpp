@@ -31,7 +31,7 @@ constexpr Real idle = 0.1;
 constexpr Real rolls = 0.1;
 constexpr Real closely = 1e-3;
 
-// A tool with flat sides touches tissue between its nodes at nodes of its own. On its convex edges
+// A tool that is a mesh touches tissue between its nodes at nodes of its own. On its convex edges
 // they are so far apart at most, in units of the mean edge of the tissue.
 constexpr Real apart = 0.5;
 
@@ -110,7 +110,7 @@ std::unique_ptr<Pair> Contact::make_pair(Setup& setup) const {
   auto* curve = dynamic_cast<SegmentedCurve*>(first_.get());
   auto* solid = dynamic_cast<MeshedSolid*>(first_.get());
   const auto skin = [](const MeshedSolid& of) { return std::make_shared<SolidBoundary>(of); };
-  if (tool_ && solid != nullptr && ToolBoundary::has_sides(*tool_)) {
+  if (tool_ && solid != nullptr && tool_->mesh() != nullptr) {
     const Real longest = apart * mean_edge(solid->surface(Configuration::rest));
     return std::make_unique<SurfaceSurface>(skin(*solid),
                                             std::make_shared<ToolBoundary>(*tool_, longest));

@@ -18,15 +18,15 @@ class Splitting {
 
   /// Until no convex edge is longer.
   void split(Real longest) {
-    std::vector<Edge> todo;
+    std::vector<Edge> waiting;
     const auto ask = [&](const Edge& e) {
-      if (length(e) > longest && is_convex(e)) todo.push_back(e);
+      if (length(e) > longest && is_convex(e)) waiting.push_back(e);
     };
     for (const auto& [edge, sides] : sides_) ask(edge);
-    while (!todo.empty()) {
-      const Edge edge = todo.back();
+    while (!waiting.empty()) {
+      const Edge edge = waiting.back();
       if (!sides_.contains(edge)) {
-        todo.pop_back();  // halved on behalf of another one, which has asked for its halves
+        waiting.pop_back();  // halved on behalf of another one, which has asked for its halves
         continue;
       }
       // Along triangles with ever longer edges, to one that is the longest of both its triangles.

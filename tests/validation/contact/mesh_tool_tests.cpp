@@ -226,17 +226,6 @@ TEST(MeshTool, IsFeltBetweenTheNodesOfATissue) {
   }
 }
 
-// Pressed flat into a triangle a box has all of its corners there. Touched at the nearest one only,
-// as it was, it took 100 to 1000 passes a step, and steps were not solved.
-TEST(BoxTool, LiesOnATriangleWithAllOfItsCorners) {
-  for (const char* size : {"0.2 0.2 3 mm", "0.5 0.5 3 mm", "1 0.2 3 mm", "2 2 3 mm"}) {
-    const Pressed box =
-        pressed_in(std::string("shape='box' rotation='0 0 0.3' size='") + size + "'", 1.7, 1.5, 4);
-    EXPECT_GT(box.force, 0.1) << size;
-    EXPECT_GT(box.distance, -1e-6) << size;
-  }
-}
-
 TEST(MeshTool, SaysWhatIsWrong) {
   const auto said = [](const std::string& tool) {
     TextRun run("<plugin name='contact'/>" +
