@@ -332,6 +332,7 @@ void Puncture::commit_walls_behind(const SolvedBlocks& solved) {
     presses_ = true;
     lifted_ = false;
     place_ = wall.front;
+    left_ = 0;
     threshold_here_ = threshold;
     touched_ = wall.touched;
     std::swap(footprint_, wall.footprint);
