@@ -7,7 +7,7 @@
 namespace sutura::contact {
 namespace {
 
-constexpr Real flat = 1e-3;  // rad: at an edge whose sides turn by less the surface is flat
+constexpr Real least_turn = 1e-3;  // rad: at an edge whose sides turn by less the surface is flat
 
 /// A closed surface of which edges can be halved.
 class Splitting {
@@ -72,7 +72,7 @@ class Splitting {
     const Vec3 along = point(e.second) - point(e.first);
     const Vec3 up = along.cross(point(opposite(sides.up, e)) - point(e.first));
     const Vec3 down = (point(opposite(sides.down, e)) - point(e.first)).cross(along);
-    return up.cross(down).dot(along) > flat * up.norm() * down.norm() * along.norm();
+    return up.cross(down).dot(along) > least_turn * up.norm() * down.norm() * along.norm();
   }
 
   /// Of the triangles beside an edge; of two that are as long that with the higher numbers.

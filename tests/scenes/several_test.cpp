@@ -31,7 +31,7 @@ TEST(TwoThreads, EachIsHeldByTheFrictionOfItsOwnMaterial) {
   const double slit =
       diameter / (1 - nu * nu);  // pi d p per Young modulus, p = E / (pi (1 - nu^2))
   for (const auto& [side, mu] : {std::pair<std::string, double>("left", 0.15), {"right", 0.3}}) {
-    const auto at = [&](std::size_t row, const std::string& column) {
+    const auto at = [&t, side = side](std::size_t row, const std::string& column) {
       return t.number(row, side + column);
     };
     const std::size_t last = t.rows.size() - 1;
