@@ -114,8 +114,7 @@ inline Vec3 moved_on(const Pose& partner_was, const Pose& partner_is, const Segm
                      turn * was.rotation};
   const Vec3 along = is.rotation * Vec3::UnitX();
   const Vec3 arm_was = shortest_rotation(along, carried.rotation * Vec3::UnitX()) * arm;
-  const Real roll = roll_between(carried.rotation, is.rotation) +
-                    whole_rolls(curve, s, was.rotation, is.rotation, carried.rotation);
+  const Real roll = roll_against(curve, s, was.rotation, is.rotation, carried.rotation).sum();
   return is.position - carried.position + arm - arm_was + roll * along.cross(arm);
 }
 

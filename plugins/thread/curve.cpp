@@ -52,20 +52,13 @@ Pose curve_frame(const Rod& rod, Real s, Configuration c) {
   return {curve.point(at.u), (carried(t) * roll).normalized()};
 }
 
-Real curve_roll(const Rod& rod, Real s, const Dofs& motion) {
-  const Quat was = curve_frame(rod, s, Configuration::start).rotation,
-             is = curve_frame(rod, s, Configuration::current).rotation;
-  const Quat tilted = shortest_rotation(was * Vec3::UnitX(), is * Vec3::UnitX()) * was;
-  const Quat left = tilted.conjugate() * is;
+Real coarse_curve_roll(const Rod& rod, Real s, const Dofs& motion) {
   const CurvePlace at = place(rod, s);
   const auto of_node = [&](Index i) {
     const Vec3 tangent = rod.poses(Configuration::start)[i].rotation * Vec3::UnitX();
     return motion.segment<3>(6 * i + 3).dot(tangent);
   };
-  const Real about = (1 - at.u) * of_node(at.beam) + at.u * of_node(at.beam + 1);
-  constexpr Real turn = 2 * std::numbers::pi;
-  const Real roll = 2 * std::atan2(left.x(), left.w());
-  return roll + turn * std::round((about - roll) / turn);
+  return (1 - at.u) * of_node(at.beam) + at.u * of_node(at.beam + 1);
 }
 
 void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out) {

@@ -25,9 +25,9 @@ void curve_jacobian(const Rod& rod, Real s, Configuration c, PointJacobian& out)
 /// section turns as the tangent of the cubic does, and rolls as the nodes do, linearly between
 /// them.
 void curve_surface_jacobian(const Rod& rod, Real s, const Vec3& arm, PointJacobian& out);
-/// About the tangent, since the start of the step, by a `motion` of the nodes from there (see
-/// `turned`) that says how many whole turns it is (rad).
-Real curve_roll(const Rod& rod, Real s, const Dofs& motion);
+/// How far the nodes beside s have rolled about their tangents in a `motion` from the start of the
+/// step (see `turned`), by their shares there (rad): what section s has, to within half a turn.
+Real coarse_curve_roll(const Rod& rod, Real s, const Dofs& motion);
 /// The beams as segments.
 void curve_segments(const Rod& rod, Configuration c, std::vector<CurveSegment>& out);
 /// First local minimum of the distance to p met downhill from `guess` within [low, high].

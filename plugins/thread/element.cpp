@@ -209,31 +209,50 @@ Vec9 strain_gradient(const ElementRest& r, const ElementState& s) {
   return g;
 }
 
+// The directors move against the chord, which rolls by kappa e . (spin_a + spin_b):
+//   d c_a = (spin_a - turn of the chord) x c_a
+//         = (e c_a^T - mu_a I) v / l - [c_a] spin_a + kappa (c_a x e) e . (spin_a + spin_b),
+// and so for b. Bending is c1 (d c_a^2 + d c_b^2) + 2 c2 d c_a . d c_b; its products are written
+// out, as [c_a]^T [c_b] = (c_a . c_b) I - c_b c_a^T.
 void step_stiffness(const ElementRest& r, const ElementState& s, Real n, Real chord_roll,
                     ElementMatrix& k) {
   const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
+  const Real kappa = chord_roll / 2, mu_a = 1 - s.xa, mu_b = 1 - s.xb;
+  const Vec3 pa = s.ca.cross(s.e), pb = s.cb.cross(s.e);
+  const Vec3 ca = c1 * s.ca + c2 * s.cb, cb = c2 * s.ca + c1 * s.cb;
+  const Real mean_a = c1 * mu_a + c2 * mu_b, mean_b = c2 * mu_a + c1 * mu_b;
 
-  // How the directors move against the chord:
-  // d c_a = (spin_a - turn of the chord) x c_a, and so for b.
-  const Mat3 along = s.e * s.e.transpose(), share = chord_roll / 2 * along;
-  const Mat3 own = Mat3::Identity() - share, chord = cross_matrix(s.e) / s.l;
-  const Mat3 xa = cross_matrix(s.ca), xb = cross_matrix(s.cb);
-  const Mat3 av = xa * chord, aa = -xa * own, ab = xa * share;
-  const Mat3 bv = xb * chord, ba = xb * share, bb = -xb * own;
-  const auto bending = [c1, c2](const Mat3& ai, const Mat3& bi, const Mat3& aj, const Mat3& bj) {
-    return Mat3(ai.transpose() * (c1 * aj + c2 * bj) + bi.transpose() * (c2 * aj + c1 * bj));
-  };
+  // What the roll of the chord couples.
+  const Vec3 wa = kappa * (mu_a * ca - (c1 + c2 * s.m) * s.e);
+  const Vec3 wb = kappa * (mu_b * cb - (c1 + c2 * s.m) * s.e);
+  const Vec3 y = kappa / s.l * (mean_a * pa + mean_b * pb);
+  const Real rolled =
+      kappa * kappa * (c1 * pa.squaredNorm() + c1 * pb.squaredNorm() + 2 * c2 * pa.dot(pb));
+
   const Vec9 stretch = std::sqrt(r.axial * r.length) * strain_gradient(r, s);
   const Vec3 gv = stretch.head<3>(), ga = stretch.segment<3>(3), gb = stretch.tail<3>();
-  const Mat3 string = n / s.l * (Mat3::Identity() - along);
-  const Mat3 twist = r.torsion * s.twist_axis * s.twist_axis.transpose();
-
-  k.vv = bending(av, bv, av, bv) + string + gv * gv.transpose();
-  k.va = bending(av, bv, aa, ba) + gv * ga.transpose();
-  k.vb = bending(av, bv, ab, bb) + gv * gb.transpose();
-  k.aa = bending(aa, ba, aa, ba) + twist + ga * ga.transpose();
-  k.bb = bending(ab, bb, ab, bb) + twist + gb * gb.transpose();
-  k.ab = bending(aa, ba, ab, bb) - twist + ga * gb.transpose();
+  const Vec3 twist = std::sqrt(r.torsion) * s.twist_axis;
+  const Real ll = s.l * s.l, string = n / s.l;
+  const Vec3 z = (mean_a * s.ca + mean_b * s.cb) / ll + string / 2 * s.e;
+  const Mat3 vv = (ca * s.ca.transpose() + cb * s.cb.transpose()) / ll - z * s.e.transpose() -
+                  s.e * z.transpose() + gv * gv.transpose();
+  k.vv = plus_diagonal(vv, (mu_a * mean_a + mu_b * mean_b) / ll + string);
+  const Vec3 va = ca / s.l, vb = cb / s.l;
+  k.va = va * pa.transpose() - y * s.e.transpose() + gv * ga.transpose() +
+         mean_a / s.l * cross_matrix(s.ca);
+  k.vb = vb * pb.transpose() - y * s.e.transpose() + gv * gb.transpose() +
+         mean_b / s.l * cross_matrix(s.cb);
+  const auto own = [&](const Vec3& c, const Vec3& w, const Vec3& g) {
+    const Vec3 along = w + rolled / 2 * s.e;
+    const Mat3 m = along * s.e.transpose() + s.e * along.transpose() - c1 * c * c.transpose() +
+                   twist * twist.transpose() + g * g.transpose();
+    return plus_diagonal(m, c1);
+  };
+  k.aa = own(s.ca, wa, ga);
+  k.bb = own(s.cb, wb, gb);
+  const Mat3 ab = (wa + rolled * s.e) * s.e.transpose() + s.e * wb.transpose() -
+                  c2 * s.cb * s.ca.transpose() - twist * twist.transpose() + ga * gb.transpose();
+  k.ab = plus_diagonal(ab, c2 * s.m);
 }
 
 void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
@@ -248,22 +267,20 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
 
   const Vec9 gmu_a = tilt_gradient(s, s.ca, 3), gmu_b = tilt_gradient(s, s.cb, 6);
   const Vec9 gm = angle_gradient(s), ge = strain_gradient(r, s);
-  Vec9 gphi = Vec9::Zero();
-  gphi.segment<3>(6) = s.twist_axis;
-  gphi.segment<3>(3) = -s.twist_axis;
 
-  const auto sym = [&](Real c, const Vec9& u, const Vec9& v) {
-    k += (c / 2) * (u * v.transpose() + v * u.transpose());
-  };
-  // Second derivatives of the energy in its scalars; strain has its own rank-one term.
+  // Second derivatives of the energy in its scalars, u v^T for each pair; strain has its own
+  // rank-one term. What is added to `half` is added to its mirror image as well.
+  Mat9 half;
   const Real pr = s.product;
-  sym(2 * up * s.dga + ur * s.gb * (ddga * pr + 2 * s.dga * mu_b), gmu_a, gmu_a);
-  sym(2 * up * s.dgb + ur * s.ga * (ddgb * pr + 2 * s.dgb * mu_a), gmu_b, gmu_b);
-  sym(2 * ur * (s.dga * s.dgb * pr + s.dga * s.gb * mu_a + s.ga * s.dgb * mu_b - s.ga * s.gb),
-      gmu_a, gmu_b);
-  sym(-2 * ur * s.dga * s.gb, gmu_a, gm);
-  sym(-2 * ur * s.ga * s.dgb, gmu_b, gm);
-  sym(r.torsion, gphi, gphi);
+  const Real aa = 2 * up * s.dga + ur * s.gb * (ddga * pr + 2 * s.dga * mu_b);
+  const Real bb = 2 * up * s.dgb + ur * s.ga * (ddgb * pr + 2 * s.dgb * mu_a);
+  const Real ab =
+      ur * (s.dga * s.dgb * pr + s.dga * s.gb * mu_a + s.ga * s.dgb * mu_b - s.ga * s.gb);
+  const Vec9 of_a = aa / 2 * gmu_a + ab * gmu_b - ur * s.dga * s.gb * gm;
+  const Vec9 of_b = bb / 2 * gmu_b - ur * s.ga * s.dgb * gm;
+  half.noalias() = gmu_a * of_a.transpose();
+  half.noalias() += gmu_b * of_b.transpose();
+  half.noalias() += r.axial * r.length / 2 * ge * ge.transpose();
 
   // Curvature of the scalars themselves.
   const auto tilt_curvature = [&](Real c, const Vec3& dir, int block) {
@@ -283,35 +300,31 @@ void hessian(const ElementRest& r, const ElementState& s, Mat9& k) {
   if (r.curved) {
     const Vec9 gnu_a = tilt_gradient(s, s.na, 3), gnu_b = tilt_gradient(s, s.nb, 6);
     const Real nu_a = s.e.dot(s.na), nu_b = s.e.dot(s.nb);
-    sym(nl * ddga * nu_a, gmu_a, gmu_a);
-    sym(nl * ddgb * nu_b, gmu_b, gmu_b);
-    sym(-2 * nl * s.dga, gmu_a, gnu_a);
-    sym(-2 * nl * s.dgb, gmu_b, gnu_b);
+    half += gmu_a * (nl * ddga * nu_a / 2 * gmu_a - nl * s.dga * gnu_a).transpose();
+    half += gmu_b * (nl * ddgb * nu_b / 2 * gmu_b - nl * s.dgb * gnu_b).transpose();
     tilt_curvature(d.nu_a, s.na, 3);
     tilt_curvature(d.nu_b, s.nb, 6);
   }
-  sym(r.axial * r.length, ge, ge);
   k.topLeftCorner<3, 3>() += s.tension / s.l * (I - s.e * s.e.transpose());
 
   const Mat3 cc = s.cb * s.ca.transpose();
   const Mat3 same = d.m * ((cc + cc.transpose()) / 2 - s.m * I);
-  const Mat3 other = d.m * (s.m * I - cc);
-  k.block<3, 3>(3, 3) += same;
-  k.block<3, 3>(6, 6) += same;
+  const Mat3 twist = r.torsion * s.twist_axis * s.twist_axis.transpose();
+  const Mat3 other = d.m * (s.m * I - cc) - twist;
+  k.block<3, 3>(3, 3) += same + twist;
+  k.block<3, 3>(6, 6) += same + twist;
   k.block<3, 3>(3, 6) += other;
   k.block<3, 3>(6, 3) += other.transpose();
 
-  // Twist: second derivative along a path of constant spins is d(axis).(spin_b - spin_a),
-  // symmetrised.
+  // Twist: second derivative along a path of constant spins is d(axis).(spin_b - spin_a).
   Eigen::Matrix<Real, 3, 9> daxis = Eigen::Matrix<Real, 3, 9>::Zero();
   const Real one = std::max(1 + s.m, 1e-3);
   daxis.block<3, 3>(0, 3) = -cross_matrix(s.ca) / one;
   daxis.block<3, 3>(0, 6) = -cross_matrix(s.cb) / one;
   daxis -= s.twist_axis * gm.transpose() / one;
-  Mat9 t = Mat9::Zero();
-  t.middleRows<3>(6) = d.phi * daxis;
-  t.middleRows<3>(3) = -d.phi * daxis;
-  k += (t + t.transpose()) / 2;
+  half.middleRows<3>(6) += d.phi / 2 * daxis;
+  half.middleRows<3>(3) -= d.phi / 2 * daxis;
+  k += half + half.transpose();
 }
 
 void hessian(const ElementRest& r, const ElementState& s, ElementMatrix& k) {

@@ -76,6 +76,11 @@ Vec9 strain_gradient(const ElementRest& rest, const ElementState& state);
 struct ElementMatrix {
   Mat3 vv, va, vb, aa, ab, bb;
 };
+/// m + c I
+inline Mat3 plus_diagonal(Mat3 m, Real c) {
+  m.diagonal().array() += c;
+  return m;
+}
 /// Stiffness for the time step: the material part, and the geometric part of `tension` (N); that of
 /// the moments is left out. Positive semidefinite unless `tension` is negative.
 /// `chord_roll`: how much the chord rolls of what its ends do. Two motions of a bent beam cost

@@ -13,25 +13,31 @@ void blend(ElementMatrix& a, const ElementMatrix& b, Real share) {
   mix(a.aa, b.aa), mix(a.ab, b.ab), mix(a.bb, b.bb);
 }
 
-/// K of one beam, with the share that viscosity adds to it: to be multiplied by h (h + beta).
-void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Index e,
-               Tangent tangent, ElementMatrix& k) {
-  const Real beta = start.damping.stiffness, n = guess.tension[e];
-  const bool exact = tangent == Tangent::exact;
-  const Real all = n + guess.limit_tension[e];
+/// K of one beam, `convex` of it the convex one, with the share that viscosity adds to it: to be
+/// multiplied by h (h + beta).
+void stiffness(const Rod& rod, const RodStart& start, const RodGuess& guess, Index e, Real convex,
+               ElementMatrix& k) {
+  const ElementRest& rest = rod.element(e);
+  const Real n = guess.tension[e], all = n + guess.limit_tension[e];
+  const Real viscous = start.damping.stiffness / (start.dt + start.damping.stiffness);
+  const Real exact = (1 - convex) * (1 - viscous);
   ElementState s = guess.beams[e];
-  if (exact) {
-    s.tension = all;
-    hessian(rod.element(e), s, k);
-  } else {
-    step_stiffness(rod.element(e), s, std::max(all, 0.), guess.chord_roll, k);
+  s.tension = all;
+  if (exact < 1) {
+    // All that is not the Hessian is linear in its tension: once, with their mean.
+    const Real change = n - rest.axial * start.deformation[e].strain;  // times beta/h
+    const Real sum = convex * (1 - viscous) * std::max(all, 0.) +
+                     viscous * ((1 - convex) * change + convex * std::max(change, 0.));
+    step_stiffness(rest, s, sum / (1 - exact), guess.chord_roll, k);
   }
-  if (!(beta > 0)) return;
-  const Real change = n - rod.element(e).axial * start.deformation[e].strain;  // times beta/h
-  ElementMatrix viscous;
-  step_stiffness(rod.element(e), s, exact ? change : std::max(change, 0.), guess.chord_roll,
-                 viscous);
-  blend(k, viscous, beta / (start.dt + beta));
+  if (exact == 0) return;
+  ElementMatrix h;
+  hessian(rest, s, h);
+  if (exact < 1) {
+    blend(k, h, exact);
+  } else {
+    k = h;
+  }
 }
 
 /// The derivative of the moments of constraint forces, which turn with the tangents; of all added
@@ -109,18 +115,14 @@ void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Real
   const Real stiffness_factor = dt * (dt + start.damping.stiffness);
   matrix.diagonal(0).setZero();
   const Mat3 zero = Mat3::Zero();
-  ElementMatrix k, part;
+  ElementMatrix k;
   BeamBlocks alone;
   for (Index e = 0; e < rod.beams(); ++e) {
     const Stretches& stretches = rod.stretches();
     if (stretches.is_rigid(e)) {
       k = {zero, zero, zero, zero, zero, zero};
     } else {
-      stiffness(rod, start, guess, e, convex < 1 ? Tangent::exact : Tangent::convex, k);
-      if (convex > 0 && convex < 1) {
-        stiffness(rod, start, guess, e, Tangent::convex, part);
-        blend(k, part, convex);
-      }
+      stiffness(rod, start, guess, e, convex, k);
     }
     const bool at_follower = stretches.follows(e) || stretches.follows(e + 1);
     const ElementMass& m = rod.inertia(e);
@@ -133,10 +135,6 @@ void assemble(const Rod& rod, const RodStart& start, const RodGuess& guess, Real
     if (at_follower) da.setZero();
     const Mat3 ee = s.e * s.e.transpose();
     const Mat3 vv = stiffness_factor * k.vv;
-    const auto plus_diagonal = [](Mat3 a, Real c) {
-      a.diagonal().array() += c;
-      return a;
-    };
     const Real same = mass_factor * m.same, other = mass_factor * m.other;
     const Real cs = mass_factor * m.couple_same, co = mass_factor * m.couple_other;
     const Real ss = mass_factor * m.spin_same, so = mass_factor * m.spin_other;

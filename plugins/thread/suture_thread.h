@@ -102,7 +102,9 @@ class SutureThread : public Component,
   void surface_jacobian(Real s, const Vec3& arm, PointJacobian& out) const override {
     curve_surface_jacobian(rod_, s, arm, out);
   }
-  Real roll(Real s) const override { return curve_roll(rod_, s, step_.guess().motion); }
+  Real coarse_roll(Real s) const override {
+    return coarse_curve_roll(rod_, s, step_.guess().motion);
+  }
   Index add_hold(Real s) override;
   void set_hold(Index hold, const Pose& target, const HoldStiffness& stiffness) override;
   void release_hold(Index hold) override;

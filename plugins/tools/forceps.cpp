@@ -195,7 +195,7 @@ void Forceps::detect(const StepContext& context) {
                    is = target.curve->frame(p.s, Configuration::current).rotation;
         p.arm = is * (was.conjugate() * p.start_arm);
         // After a whole turn the point is where it was, but the section has rolled in the jaws.
-        rolled = whole_rolls(*target.curve, p.s, was, is, turn * was) *
+        rolled = roll_against(*target.curve, p.s, was, is, turn * was).whole *
                  (is * Vec3::UnitX()).cross(p.arm);
       }
       p.gap = seen_from(frame, position(target, p) + rolled) - p.anchor;

@@ -46,10 +46,10 @@ class SegmentedCurve : public CurveBody {
   /// As `jacobian`, of the material point that is away from the centre of section s by `arm` (m,
   /// world axes, at the guess). Exact for rigid motions, so that a force on it has its moment.
   virtual void surface_jacobian(Real s, const Vec3& arm, PointJacobian& out) const = 0;
-  /// By how much section s has rolled about its tangent from the start of the step to the guess,
-  /// whole turns included (rad): what is left of its turn where the tangent has gone the shortest
-  /// way. A thin thread that rolls on something does many in a step.
-  virtual Real roll(Real s) const = 0;
+  /// By about how much section s has rolled about its tangent from the start of the step to the
+  /// guess (rad, off by less than half a turn). It says how many whole turns that are: a thin
+  /// thread that rolls on something does many in a step. The rest is told by rotations (`roll`).
+  virtual Real coarse_roll(Real s) const = 0;
 };
 
 /// A curve stretches of which may move as rigid bodies for a while. Between two steps.
