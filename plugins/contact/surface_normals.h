@@ -13,15 +13,12 @@ class SurfaceNormals {
   /// Of a triangle, outward and unit: at the guess, and as the step begins.
   const Vec3& now(Index triangle) const { return now_[static_cast<std::size_t>(triangle)]; }
   const Vec3& at_start(Index triangle) const { return start_[static_cast<std::size_t>(triangle)]; }
-  /// Of a node at the guess: the mean of its triangles by their angles there, not unit; zero
-  /// inside. By their areas the tip of something slender would look aside.
-  const Vec3& of_node(Index node) const { return of_node_[static_cast<std::size_t>(node)]; }
-  /// One more than the largest number of a node of the surface.
-  std::size_t nodes() const { return of_node_.size(); }
+  /// Of a node of that surface at the guess: the mean of its triangles by their angles there. By
+  /// their areas the tip of something slender would look aside.
+  Vec3 of_node(const MovingSurface& surface, const MovingSurface::SurfaceNode& node) const;
 
  private:
   std::vector<Vec3> now_, start_;  ///< by triangle
-  std::vector<Vec3> of_node_;
 };
 
 }  // namespace sutura::contact

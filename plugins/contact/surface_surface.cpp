@@ -113,8 +113,8 @@ void SurfaceSurface::meet(bool nodes_are_second, Real reach, const TouchedPlaces
 void SurfaceSurface::meet_node(const Search& search, std::size_t place, std::vector<Touch>& out) {
   const MovingSurface &nodes = search.nodes, &faces = search.faces;
   const MovingSurface::SurfaceNode& n = nodes.surface_nodes()[place];
-  Seeker seeker{nodes.point(n.node), search.node_normals.of_node(n.node).normalized(),
-                std::nullopt};
+  if (search.near.of(place).empty()) return;
+  Seeker seeker{nodes.point(n.node), search.node_normals.of_node(nodes, n), std::nullopt};
   const Real away = turned_away(search, n, seeker.outward);
   near_.clear();
   Passing first;
@@ -296,7 +296,8 @@ void SurfaceSurface::drop_doubles(std::vector<Touch>& out) {
     return weight == 1 ? faces_of(t).nodes(t.triangle)[static_cast<std::size_t>(corner)]
                        : Index{-1};
   };
-  met_.assign(normals_first_.nodes(), -1);
+  if (out.empty()) return;
+  met_.assign(static_cast<std::size_t>(first_.surface_nodes().back().node) + 1, -1);
   for (const Touch& t : out)
     if (const Index other = meets(t); !t.nodes_are_second && other >= 0)
       met_[static_cast<std::size_t>(t.node)] = other;

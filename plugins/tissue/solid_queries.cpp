@@ -126,6 +126,11 @@ void SolidQueries::fit_triangles() const {
     for (const Vec3& p : corners(f)) box.add(p);
     return box;
   });
+  triangles_fitted_ = true;
+}
+
+void SolidQueries::find_normals() const {
+  if (normals_found_) return;
   vertex_normal_.assign(static_cast<std::size_t>(x_->size() / 3), Vec3::Zero());
   edge_normal_.assign(static_cast<std::size_t>(topology_->edges_), Vec3::Zero());
   for (Index f = 0; f < static_cast<Index>(topology_->triangles_.size()); ++f) {
@@ -137,7 +142,7 @@ void SolidQueries::fit_triangles() const {
       edge_normal_[topology_->edge_of_[f][k]] += normal;
     }
   }
-  triangles_fitted_ = true;
+  normals_found_ = true;
 }
 
 SurfacePoint SolidQueries::on_triangle(Index triangle, const Vec3& weights) const {
@@ -196,7 +201,7 @@ bool SolidQueries::is_in_others(Index corner, const Vec3& p) const {
 
 std::optional<SurfacePoint> SolidQueries::deepest_in_itself(Real slack) const {
   fit_tets();
-  fit_triangles();
+  find_normals();
   // Of a flat place 2 pi. Zero where a node is not of the boundary, and, but for rounding, where a
   // closed cut ends, as its walls look opposite ways.
   constexpr Real least = 0.1;
@@ -250,6 +255,7 @@ std::optional<SurfacePoint> SolidQueries::closest_surface(const Vec3& p, Real re
       });
   if (triangle < 0) return {};
   SurfacePoint s = on_triangle(triangle, closest.weights);
+  if (closest.corner >= 0 || closest.edge >= 0) find_normals();
   if (closest.corner >= 0)
     s.normal = unit(vertex_normal_[topology_->triangles_[triangle][closest.corner]]);
   else if (closest.edge >= 0)

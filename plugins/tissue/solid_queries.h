@@ -44,13 +44,14 @@ class SolidQueries {
   void move(const VecX& x) {
     x_ = &x;
     ++generation_;
-    tets_fitted_ = triangles_fitted_ = false;
+    tets_fitted_ = triangles_fitted_ = normals_found_ = false;
   }
 
   /// Refits at once: what comes after it allocates nothing.
   void fit() const {
     fit_tets();
     fit_triangles();
+    find_normals();
   }
 
   const SolidTopology& topology() const { return *topology_; }
@@ -82,11 +83,13 @@ class SolidQueries {
   SurfacePoint on_triangle(Index triangle, const Vec3& weights) const;
   void fit_tets() const;
   void fit_triangles() const;
+  /// Of corners and edges.
+  void find_normals() const;
 
   std::shared_ptr<const SolidTopology> topology_;
   const VecX* x_ = nullptr;
   std::uint64_t generation_ = 0;  ///< of the positions
-  mutable bool tets_fitted_ = false, triangles_fitted_ = false;
+  mutable bool tets_fitted_ = false, triangles_fitted_ = false, normals_found_ = false;
   mutable BoxTree::Boxes tet_boxes_, triangle_boxes_;
   mutable std::vector<Vec3> vertex_normal_, edge_normal_;  ///< not normalised; vertices by node
 };
