@@ -155,6 +155,9 @@ class Body {
   /// About how far the guess is from where the motion would be if the step were infinitely short
   /// (m): h/2 times the change of velocity, the largest over the nodes that nothing holds.
   virtual Real time_error(const StepContext& /*context*/) const { return 0; }
+  /// Once the guess is balanced: does it tell well enough when within the step something happened
+  /// to the body, as that a thread tore? If not, the step is too long.
+  virtual bool tells_when() const { return true; }
   /// Once the guess of a step of second order is balanced: has the motion changed about as it did
   /// in the step before, to which such a step looks back? If not, the step is begun anew in first
   /// order.
@@ -254,6 +257,8 @@ class CurveBody : public Body {
   virtual void jacobian(Real s, PointJacobian& out) const = 0;
   /// Unit vector in the direction of growing s.
   virtual Vec3 tangent(Real s, Configuration c) const = 0;
+  /// Axial force at s as it is now, positive where the curve is taut (N).
+  virtual Real tension(Real s) const = 0;
   /// Frame of the section: x axis along the tangent.
   virtual Pose frame(Real s, Configuration c) const = 0;
   /// The abscissa in [low, high] whose point is closest to p; starts from `guess` and follows the

@@ -209,6 +209,7 @@ class Simulation {
   bool measure(const StepContext& context);
   bool is_short_enough(const StepContext& context);
   bool knows_ways();
+  bool is_revised(const StepContext& context);
   bool leave_saddles();
   bool goes_on_as_before(const StepContext& context);
   Index least_passes() const;

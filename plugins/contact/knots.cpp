@@ -13,6 +13,8 @@ namespace {
 // In diameters of the thread: where touches are further apart along it, what is between is not part
 // of the knot, such as the loop of a suture.
 constexpr Real reach = 10;
+// Of the largest force of its strands: so much of a loose end keeps a knot shut.
+constexpr Real counts = 0.02;
 constexpr Index none = -1;
 constexpr std::size_t usual = 16;  // touches that hang together, at once: room from the start
 
@@ -27,7 +29,7 @@ void Knots::describe(Describe<Knots>& d) {
       "its stretches of thread then move as one rigid body: one node instead of all of theirs, no "
       "touches within; several stretches, such as the two legs of a suture's loop, are held "
       "together by six rows. The knot was seen to hold the load of that time, which are the forces "
-      "of the strands that come out of it. When they differ from it by more than 'tolerance', it "
+      "of the strands that come out of it. When one differs from it by more than 'tolerance', it "
       "is free again, with the forces in it that it had, and its touches show in the next steps "
       "whether they hold the new load: then it becomes rigid again, else it slips, as it does "
       "without this component.");
@@ -40,8 +42,9 @@ void Knots::describe(Describe<Knots>& d) {
   d.attribute("still_for", &Knots::still_for_, "s", between(0, 1e6),
               "For so long a knot must have been at rest.");
   d.attribute("tolerance", &Knots::tolerance_, "1", between(0, 1),
-              "By what share of the largest of them the forces of the strands may differ from "
-              "those at which a rigid knot was seen at rest.");
+              "By what share of itself the force of each strand may differ from that at which a "
+              "rigid knot was seen at rest; of a strand that bears less, of 'tension' or of a "
+              "fiftieth of the largest force.");
   const auto sum = [](const Knots& all, auto of) {
     Real total = 0;
     for (const Knot& k : all.knots_)
@@ -81,8 +84,8 @@ void Knots::describe(Describe<Knots>& d) {
       "held", "N", "The largest load at which such a knot was at rest, since it was found.",
       [largest](const Knots& all) { return largest(all, [](const Knot& k) { return k.held; }); });
   d.output("departure", "1",
-           "By what share of the largest of them the forces of the strands differ now from those "
-           "at which a rigid knot was seen at rest: what makes it free above 'tolerance'.",
+           "By what share the force of a strand differs now, at most, from that at which a rigid "
+           "knot was seen at rest: what makes it free above 'tolerance'.",
            [largest](const Knots& all) {
              return largest(all, [](const Knot& k) { return k.is_rigid ? k.departure : 0; });
            });
@@ -143,6 +146,19 @@ void Knots::build(const StepContext&, ConstraintBuilder& builder) {
       couple(knot.stretches.front().from, is.position - first.position, -1);
     }
   }
+}
+
+/// A knot that is asked for another load than it was seen to hold bears it in no step: rigid it
+/// takes up no slack, and what a hand draws out of it in one step would be a force.
+bool Knots::revise(const StepContext&) {
+  bool revised = false;
+  for (Knot& knot : knots_) knot.holds = !knot.is_rigid || is_still_rigid(knot);
+  for (Knot& knot : knots_) {
+    if (knot.holds) continue;
+    free(knot);
+    revised = true;
+  }
+  return revised;
 }
 
 void Knots::commit(const StepContext& context, const SolvedBlocks&) {
@@ -236,12 +252,13 @@ void Knots::free(Knot& knot) {
 bool Knots::is_still_rigid(Knot& knot) {
   if (!rigid_->is_rigid(body(knot))) return false;
   knot.load = measure(knot.stretches, forces_);
-  Real most = 0, off = 0;
-  for (std::size_t i = 0; i < forces_.size(); ++i) {
-    most = std::max(most, knot.seen[i].norm());
-    off = std::max(off, (forces_[i] - knot.seen[i]).norm());
-  }
-  knot.departure = off / most;
+  Real most = 0;
+  for (const Vec3& seen : knot.seen) most = std::max(most, seen.norm());
+  const Real least = std::max(tension_, counts * most);
+  knot.departure = 0;
+  for (std::size_t i = 0; i < forces_.size(); ++i)
+    knot.departure = std::max(
+        knot.departure, (forces_[i] - knot.seen[i]).norm() / std::max(knot.seen[i].norm(), least));
   return knot.departure <= tolerance_ && knot.load >= tension_;
 }
 

@@ -16,6 +16,7 @@ class Knots : public Component, public ConstraintSource {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
+  bool revise(const StepContext& context) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
  private:
@@ -29,12 +30,13 @@ class Knots : public Component, public ConstraintSource {
     Real from = 0, to = 0;
     Real quiet = 0;  ///< for how long it has been at rest (s)
     bool is_typed = false, is_rigid = false;
+    bool holds = true;  ///< a rigid one, what is asked of it in this step
     KnotType type;
     Real load = 0;  ///< largest force in a strand that comes out of it (N)
     Real held = 0;  ///< the largest of those at which it was seen at rest
     std::vector<Stretch> stretches;
     std::vector<Vec3> seen;  ///< forces of the strands when it became rigid, seen from it (N)
-    Real departure = 0;      ///< by what share of the largest of these they differ now
+    Real departure = 0;      ///< by what share one of these differs now, at most
     bool is_tight() const { return is_typed && type.is_knot; }
   };
 

@@ -343,18 +343,33 @@ void SuturePath::cut(const SolvedBlocks& solved) {
   channel_->drop_cut_out();
 }
 
+/// The force across the thread by which its tension turns it where a crossing stands for it.
+Vec3 SuturePath::turned_by_tension(const Crossing& c) const {
+  constexpr Configuration now = Configuration::current;
+  const Real low = std::max(c.share.low, Real(0)), high = std::min(c.share.high, thread_->length());
+  if (!(low < high)) return Vec3::Zero();
+  const Vec3 along = c.axes.row(0);
+  const Vec3 turn = thread_->tangent(high, now) - thread_->tangent(low, now);
+  return -thread_->tension(c.abscissa) * (turn - turn.dot(along) * along);
+}
+
 /// What each sample presses is not what the thread presses there. A channel that a needle has made
 /// in a mesh has bends of a few degrees where it goes from element to element. A thread that is
 /// stiff against bending bears on them, this way and that way, and the more the closer the samples
-/// are; the elements do not feel it. Over some elements such forces cancel, and what remains is the
-/// load that turns the thread. It turns with the thread as it is spread.
+/// are; the elements do not feel it. Over some elements such forces cancel. What is spread so is
+/// what is left where the tension has turned the thread, which may wind to and fro. It turns with
+/// the thread as it is spread.
 void SuturePath::spread(const SolvedBlocks& solved) {
   pressing_.assign(sample_crossings_, Vec3::Zero());
   for (const LateralBlock& b : blocks_) {
     const Crossing& c = crossings_[b.crossing];
-    const Vec3 force = c.axes.bottomRows<2>().transpose() * solved.lambda(b.block);
     const bool is_end = b.crossing == sample_crossings_;
     const std::size_t at = is_end ? sample_crossings_ - 1 : b.crossing;
+    Vec3 force = c.axes.bottomRows<2>().transpose() * solved.lambda(b.block);
+    if (!is_end) {
+      pressing_[at] += turned_by_tension(c);
+      force -= turned_by_tension(c);
+    }
     // Not beyond what of the thread is in this bite.
     std::size_t first = at, last = at;
     while (channel_->is_joined(first)) --first;

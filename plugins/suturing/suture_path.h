@@ -105,6 +105,7 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   bool is_at_tip(const Crossing& c) const;
   Real share_of_end() const;
   Real stray() const;
+  Vec3 turned_by_tension(const Crossing& c) const;
   void spread(const SolvedBlocks& solved);
   void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;

@@ -356,6 +356,14 @@ bool RodStep::goes_on_as_before(const Rod& rod) {
   return off <= most * most * largest;
 }
 
+void RodStep::go_back(Rod& rod) {
+  if (!in_step_) return;
+  rod.poses() = rod.poses(Configuration::start);
+  rod.twist() = start_.twist;
+  rod.velocity() = now_.velocity;
+  in_step_ = false;
+}
+
 void RodStep::end(Rod& rod, const Dofs& force) {
   if (force.size() > 0)
     last_force_ = force;

@@ -62,6 +62,8 @@ class RodStep {
   bool is_stuck() const { return stuck_; }
   /// Another guess.
   void move_to(Rod& rod, const VecX& motion);
+  /// Within a step: the rod is as it was when that began, and the step is not begun any more.
+  void go_back(Rod& rod);
   /// The guess is the end of the step, which had this force of constraints.
   void end(Rod& rod, const Dofs& force);
   /// A whole step under `force` alone, in passes until its relative imbalance is below `tolerance`.

@@ -164,78 +164,8 @@ void SutureThread::end_step(const StepContext&, const VecX& force) {
   held_strands_.end_step(rod_, step_.time_error(rod_));
   step_.end(rod_, force);
   limits_.clear();
-  if (const Index beam = too_taut(); beam >= 0) cut(middle(beam));
+  tear();
   if (sampling_angle > 0) resample();
-}
-
-/// A beam that may be split is lost at its shortest only.
-void SutureThread::cut(Real s) {
-  Index beam = place(rod_, s).beam;
-  release_beam(beam);
-  while (sampling_angle > 0 && rod_.element(beam).length >= 2 * shortest_beam) {
-    split(beam);
-    beam = place(rod_, s).beam;
-  }
-  rod_.cut(beam);
-}
-
-/// Into halves. Scissors close while drivers speak: loads that were told before stay where they
-/// are.
-void SutureThread::split(Index beam) {
-  const Index before = 6 * (beam + 1), beyond = load().size() - before;
-  std::vector<Real>& nodes = sampling_work_.nodes;
-  nodes = rod_.abscissa();
-  nodes.insert(nodes.begin() + beam + 1, middle(beam));
-  place_nodes(nodes);
-  if (load().size() == 0) return;
-  VecX moved = VecX::Zero(rod_.dofs());
-  moved.head(before) = load().head(before);
-  moved.tail(beyond) = load().tail(beyond);
-  load() = moved;
-}
-
-/// What is cut is rigid no more.
-void SutureThread::release_beam(Index beam) {
-  if (rod_.stretches().is_rigid(beam)) release(rod_.stretches().body_of(beam));
-}
-
-Real SutureThread::middle(Index beam) const {
-  return (rod_.abscissa()[beam] + rod_.abscissa()[beam + 1]) / 2;
-}
-
-void SutureThread::bear(const std::vector<LimitTension>& limits) {
-  limits_.insert(limits_.end(), limits.begin(), limits.end());
-  const Index beam = too_taut();
-  if (beam < 0) return;
-  release_beam(beam);
-  rod_.cut(beam);  // not split: the rows of this step are still being looked at
-}
-
-/// Of a beam: of its elastic thread, of its viscosity, and what limits of stretch bear.
-Real SutureThread::tension_of(Index beam, const ElementState& state) const {
-  if (rod_.is_cut(beam)) return 0;
-  Real sum = state.tension + step_.viscous_tension(beam);
-  const Real at = middle(beam);
-  for (const LimitTension& limit : limits_)
-    if (limit.from < at && at < limit.to) sum += limit.tension;
-  return sum;
-}
-
-/// The beam with the largest tension, if that is more than the thread bears; else -1.
-Index SutureThread::too_taut() const {
-  if (strength == 0) return -1;
-  Index weakest = -1;
-  Real most = strength;
-  ElementState s;
-  for (Index e = 0; e < rod_.beams(); ++e) {
-    if (rod_.is_cut(e) || rod_.abscissa()[e] < shape_.needle_length) continue;
-    rod_.element_state(e, s);
-    const Real tension = tension_of(e, s);
-    if (!(tension > most)) continue;
-    most = tension;
-    weakest = e;
-  }
-  return weakest;
 }
 
 void SutureThread::resample() {

@@ -80,6 +80,8 @@ class SutureThread : public Component,
   Real held_power() const override;
   bool finite() const override { return factored_ && rod_.finite(); }
   std::string trouble() const override;
+  std::string fault() const override;
+  bool tells_when() const override;
   BodyGeometry geometry() const override;
 
   // CurveBody
@@ -91,6 +93,7 @@ class SutureThread : public Component,
     curve_jacobian(rod_, s, Configuration::current, out);
   }
   Vec3 tangent(Real s, Configuration c) const override { return curve_tangent(rod_, s, c); }
+  Real tension(Real s) const override { return section_state(s).tension; }
   Pose frame(Real s, Configuration c) const override { return curve_frame(rod_, s, c); }
   Real closest_abscissa(const Vec3& p, Real guess, Real low, Real high,
                         Configuration c) const override {
@@ -159,7 +162,13 @@ class SutureThread : public Component,
   Real drawn_radius(Real s) const;
   void resample();
   Real tension_of(Index beam, const ElementState& state) const;
-  Index too_taut() const;
+  struct Taut {
+    Index beam = -1;
+    Real tension = 0;  // N
+  };
+  Taut most_taut() const;
+  bool tears() const;
+  void tear();
   void release_beam(Index beam);
   Real middle(Index beam) const;
   void place_nodes(const std::vector<Real>& abscissae);
@@ -175,6 +184,7 @@ class SutureThread : public Component,
   SamplingRules rules_;
   SamplingWork sampling_work_;
   Real sampling_change_ = 0;  ///< of elastic energy, by the last step's event, to all energy
+  Real torn_late_ = 0;        ///< with how much it bore, in the last step (N); 0: not
   std::vector<Real> holds_;   ///< abscissae
   mutable ChainCompliance compliance_;
   mutable BodyRows led_rows_;  ///< of the chain without followers

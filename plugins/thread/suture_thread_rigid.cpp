@@ -30,7 +30,9 @@ void SutureThread::make_rigid(Index body, Real from, Real to) {
 }
 
 void SutureThread::release(Index body) {
-  if (rod_.release(body)) step_.fit(rod_);
+  if (!rod_.release(body)) return;
+  step_.go_back(rod_);
+  step_.fit(rod_);
 }
 
 bool SutureThread::is_rigid(Index body) const {

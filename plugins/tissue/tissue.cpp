@@ -170,7 +170,6 @@ void Tissue::initialise(Setup& setup) {
   else
     model_.elastic = std::make_unique<CorotationalT4>(data.points, data.tets);
   model_.held = HeldNodes(n);
-  model_.young = young;
   model_.damping_mass = damping_mass;
   model_.damping_stiffness = damping_stiffness;
 
@@ -217,11 +216,13 @@ void Tissue::update_materials() {
   const MeshData& data = *model_.mesh;
   model_.mass.assign(data.points.size(), 0);
   model_.materials.clear();
+  model_.young = 0;
   for (std::size_t e = 0; e < data.tets.size(); ++e) {
     const auto layer = layers_.find(data.region[e]);
     const Material material =
         layer != layers_.end() ? layer->second : Material{young, poisson, density};
     model_.materials.push_back(material);
+    model_.young = std::max(model_.young, material.young);
     const Tet& t = data.tets[e];
     const Real volume =
         six_volume(data.points[t[0]], data.points[t[1]], data.points[t[2]], data.points[t[3]]) / 6;
@@ -242,10 +243,8 @@ void Tissue::start_moving() {
 }
 
 Index Tissue::support(Index node, const std::array<bool, 3>& along) {
-  Real stiffest = young;
-  for (const auto& [region, material] : layers_) stiffest = std::max(stiffest, material.young);
   return model_.held.support(node, along, model_.rest.segment<3>(3 * node),
-                             1e6 * stiffest * model_.edge_length);
+                             1e6 * model_.young * model_.edge_length);
 }
 
 Vec3 Tissue::reaction(const std::vector<Index>& nodes) const {

@@ -32,7 +32,7 @@ struct TissueModel {
   HeldNodes held;
   std::vector<FollowerLoad*> followers;
   Real edge_length = 0;                          ///< mean, at rest (m)
-  Real young = 0;                                ///< Pa, where no layer says otherwise
+  Real young = 0;                                ///< of the stiffest tet (Pa)
   Real damping_mass = 0, damping_stiffness = 0;  ///< 1/s, s
 
   Index dofs() const { return rest.size(); }

@@ -182,6 +182,8 @@ bool Simulation::measure(const StepContext& context) {
 /// Whether the balanced guess is as near to the motion in continuous time as the scene asks. A part
 /// of a step may cost its share of what a step may.
 bool Simulation::is_short_enough(const StepContext& context) {
+  for (const NamedBody& b : bodies_)
+    if (!ask(b.body).tells_when()) return false;
   const Real most = scene_->limits.time_tolerance * context.dt / scene_->dt;
   return most == 0 || std::all_of(bodies_.begin(), bodies_.end(), [&](const NamedBody& b) {
            return ask(b.body).time_error(context) <= most;
@@ -192,6 +194,13 @@ bool Simulation::is_short_enough(const StepContext& context) {
 bool Simulation::knows_ways() {
   return std::all_of(sources_.begin(), sources_.end(),
                      [&](ConstraintSource* source) { return ask(source).knows_way(); });
+}
+
+/// Whether a source has given up what it took for given in this guess. All of them are asked.
+bool Simulation::is_revised(const StepContext& context) {
+  bool revised = false;
+  for (ConstraintSource* source : sources_) revised |= ask(source).revise(context);
+  return revised;
 }
 
 /// The guess becomes the end of the step. The only place where topology and the number of rows may

@@ -96,6 +96,7 @@ void Simulation::take_stretch(Real begin, Real length, Real due, Timer& timer) {
                            ? 0
                            : times_tolerance(relative_violation_, imbalance_, scene_->limits);
     if (!solved && division.try_again(lacks)) continue;
+    if (solved && is_revised(context)) continue;
     accept(context, solved, timer);
     if (!report_.finite) break;
     division.next();

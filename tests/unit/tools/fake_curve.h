@@ -65,6 +65,7 @@ class Curve : public Component, public CurveBody {
   Real length() const override { return length_; }
   Real needle_length() const override { return 0; }
   Real radius(Real) const override { return 1e-3; }
+  Real tension(Real) const override { return 0; }
   Vec3 point(Real s, Configuration) const override {
     return pose_.position + pose_.rotation * Vec3(s, 0, 0);
   }

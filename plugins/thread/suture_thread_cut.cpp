@@ -1,0 +1,104 @@
+// How a thread is cut, and how it tears.
+#include "sutura/units.h"
+#include "suture_thread.h"
+
+namespace sutura::thread {
+namespace {
+
+constexpr Real late = 1.1;  // of its strength: what tears with more has torn late
+
+}  // namespace
+
+/// A beam that may be split is lost at its shortest only.
+void SutureThread::cut(Real s) {
+  Index beam = place(rod_, s).beam;
+  release_beam(beam);
+  while (sampling_angle > 0 && rod_.element(beam).length >= 2 * shortest_beam) {
+    split(beam);
+    beam = place(rod_, s).beam;
+  }
+  rod_.cut(beam);
+}
+
+/// Into halves. Scissors close while drivers speak: loads that were told before stay where they
+/// are.
+void SutureThread::split(Index beam) {
+  const Index before = 6 * (beam + 1), beyond = load().size() - before;
+  std::vector<Real>& nodes = sampling_work_.nodes;
+  nodes = rod_.abscissa();
+  nodes.insert(nodes.begin() + beam + 1, middle(beam));
+  place_nodes(nodes);
+  if (load().size() == 0) return;
+  VecX moved = VecX::Zero(rod_.dofs());
+  moved.head(before) = load().head(before);
+  moved.tail(beyond) = load().tail(beyond);
+  load() = moved;
+}
+
+/// What is cut is rigid no more.
+void SutureThread::release_beam(Index beam) {
+  if (rod_.stretches().is_rigid(beam)) release(rod_.stretches().body_of(beam));
+}
+
+Real SutureThread::middle(Index beam) const {
+  return (rod_.abscissa()[beam] + rod_.abscissa()[beam + 1]) / 2;
+}
+
+void SutureThread::bear(const std::vector<LimitTension>& limits) {
+  limits_.insert(limits_.end(), limits.begin(), limits.end());
+  if (!tears()) return;
+  const Index beam = most_taut().beam;
+  release_beam(beam);
+  rod_.cut(beam);  // not split: the rows of this step are still being looked at
+}
+
+/// Of a beam: of its elastic thread, of its viscosity, and what limits of stretch bear.
+Real SutureThread::tension_of(Index beam, const ElementState& state) const {
+  if (rod_.is_cut(beam)) return 0;
+  Real sum = state.tension + step_.viscous_tension(beam);
+  const Real at = middle(beam);
+  for (const LimitTension& limit : limits_)
+    if (limit.from < at && at < limit.to) sum += limit.tension;
+  return sum;
+}
+
+/// Of the beams that may tear.
+SutureThread::Taut SutureThread::most_taut() const {
+  Taut most;
+  ElementState s;
+  for (Index e = 0; e < rod_.beams(); ++e) {
+    if (rod_.is_cut(e) || rod_.abscissa()[e] < shape_.needle_length) continue;
+    rod_.element_state(e, s);
+    const Real tension = tension_of(e, s);
+    if (tension > most.tension) most = {e, tension};
+  }
+  return most;
+}
+
+bool SutureThread::tears() const {
+  return strength > 0 && most_taut().tension > strength;
+}
+
+void SutureThread::tear() {
+  torn_late_ = 0;
+  if (!tears()) return;
+  const Taut most = most_taut();
+  if (!tells_when()) torn_late_ = most.tension;
+  cut(middle(most.beam));
+}
+
+/// Torn at the end of a step in which it bears far more than it can, it has drawn at all else with
+/// that.
+bool SutureThread::tells_when() const {
+  return strength == 0 || most_taut().tension <= late * strength;
+}
+
+std::string SutureThread::fault() const {
+  if (torn_late_ == 0) return {};
+  char text[100];
+  std::snprintf(text, sizeof text,
+                "it bore %.3g N before it tore: a shorter step, or more substeps", torn_late_);
+  return text;
+}
+
+}  // namespace sutura::thread
