@@ -106,7 +106,8 @@ void SutureThread::describe(Describe<SutureThread>& d) {
   d.attribute(
       "strength", &T::strength, "N", between(0, 1e6),
       "Tension (see ThreadProbe) at which the thread breaks, at the end of the step and for good, "
-      "in the beam with the largest; 0: never.");
+      "in the beam with the largest; 0: never. A step in which that bears a tenth more is divided; "
+      "if it does so in the shortest part, that is a fault of the step.");
   d.attribute("newton_iterations", &T::newton_iterations, between(1, 100),
               "Linearisations of a step, at least; more follow until the tolerance of the scene is "
               "met.");

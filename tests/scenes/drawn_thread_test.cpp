@@ -2,6 +2,7 @@
 // capstan: from the directions of the thread alone, without any force that a wall has measured.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
 #include "scenes/text_run.h"
@@ -73,6 +74,51 @@ TEST(DrawnThread, ACapstanAtEverySpacingAndStep) {
     EXPECT_NEAR(pull_of(spacing, "5 ms"), pull, 0.05 * pull) << "spacing " << spacing;
   for (const std::string dt : {"10 ms", "2 ms"})
     EXPECT_NEAR(pull_of("1 mm", dt), pull, 0.05 * pull) << "step " << dt;
+}
+
+/// A limp thread lies in two half circles, bent opposite ways, in a block that is held all over;
+/// its hand draws against a load. Right is e^(mu angle), whatever the mesh: the bends are no
+/// further apart than an element is long.
+Real pull_through_two_bends(const std::string& cells) {
+  const std::string file = ::testing::TempDir() + "drawn_thread_two_bends.csv";
+  constexpr Real radius = 2.5e-3, straight = 12e-3;
+  constexpr Real bend = std::numbers::pi * radius, length = 2 * (straight + bend);
+  std::ofstream table(file);
+  table << "s [m],curvature [1/m],side_curvature [1/m]\n";
+  constexpr int parts = 800;
+  for (int i = 0; i <= parts; ++i) {
+    const Real s = length * i / parts;
+    const bool first = s > straight && s <= length / 2, second = s > length / 2;
+    table << s << ',' << (first ? -1 : second && s < length - straight ? 1 : 0) / radius << ",0\n";
+  }
+  table.close();
+  TextRun run("<BlockMesh box='-6 -3 -12  6 3 0 mm' cells='" + cells +
+                  "'/><Tissue young='50 kPa'/><Attach box='-6 -3 -12  6 3 0 mm'/>"
+                  "<SutureThread needle_length='0' thread_young='2 GPa' thread_diameter='0.1 mm' "
+                  "bending_factor='0.005' thread_length='" +
+                  std::to_string(length * 1e3) +
+                  " mm' thread_beams='250' tip='-5 0 6 mm' tip_direction='0 0 1' "
+                  "plane_normal='0 -1 0' damping_stiffness='0.1 ms' damping_mass='100 1/s' "
+                  "thread_start_file='" +
+                  file +
+                  "'/><SuturePath sewn='true' spacing='0.25 mm'/>"
+                  "<PathFriction coefficient='0.2' pressure='0 Pa' lateral_share='1'/>"
+                  "<ThreadLoad at='0' force='0 0 0.1 N' times='0 0.1 s' factors='0 1'/>"
+                  "<Track name='way' times='0.2 0.6 s' positions='0 0 0  0 0 -1.5 mm'/>"
+                  "<Grasper name='hand' at='" +
+                  std::to_string(length * 1e3) + " mm' track='way' rotation_stiffness='0'/>",
+              "dt='10 ms' gravity='0 0 0'");
+  EXPECT_TRUE(run) << run.said();
+  if (!run) return 0;
+  run.run(0.55);
+  return run.vector("/hand", "force").norm() / 0.1;
+}
+
+// A twentieth: the thread cuts its corners where the bends begin and end, within a millimetre.
+TEST(DrawnThread, BendsThatGoOppositeWaysAddUp) {
+  const Real right = std::exp(0.2 * 2 * std::numbers::pi);
+  for (const char* cells : {"12 6 12", "4 2 4"})
+    EXPECT_NEAR(pull_through_two_bends(cells), right, 0.05 * right) << cells;
 }
 
 }  // namespace

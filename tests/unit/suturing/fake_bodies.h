@@ -67,6 +67,7 @@ struct RigidNeedle : Component, CurveBody {
   Real length() const override { return length_; }
   Real needle_length() const override { return swage; }
   Real radius(Real) const override { return radius_; }
+  Real tension(Real) const override { return 0; }
   Vec3 point(Real s, Configuration c) const override {
     const Real t = c == Configuration::start ? start_ : c == Configuration::current ? now_ : 0;
     return {sideways, 0, start_height - t + s};
