@@ -337,25 +337,6 @@ Real RodStep::time_error(const Rod& rod) const {
   return (share_ > 0 ? bdf2 : 0.5) * length_ * std::sqrt(most);
 }
 
-bool RodStep::goes_on_as_before(const Rod& rod) {
-  if (share_ == 0) return true;
-  constexpr Real most = 0.5;  // a mode goes on as before from 12 steps a period on
-  const DofVector& before = before_.start.velocity;
-  const Real w = length_ / before_.length;
-  Real largest = 0, off = 0;
-  // Squares of changes of velocity in a beam, its spin counted by the energy that it has.
-  const auto square = [&](Index e, const DofVector& v) {
-    return kinetic(rod.inertia(e), guess_.beams[e], ElementVelocity(v, e)) / rod.element(e).mass;
-  };
-  change_ = w * (now_.velocity - before);
-  answer_ = rod.velocity() - now_.velocity;
-  for (Index e = 0; e < rod.beams(); ++e)
-    largest = std::max({largest, square(e, change_), square(e, answer_)});
-  answer_ -= change_;
-  for (Index e = 0; e < rod.beams(); ++e) off = std::max(off, square(e, answer_));
-  return off <= most * most * largest;
-}
-
 void RodStep::go_back(Rod& rod) {
   if (!in_step_) return;
   rod.poses() = rod.poses(Configuration::start);
