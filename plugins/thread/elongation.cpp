@@ -68,7 +68,6 @@ Elongation::Interval Elongation::interval_from(Index beam) const {
 
 void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
   blocks_.clear();
-  tensions_.clear();
   const Rod& rod = thread->rod();
   for (Index e = 0; e < rod.beams(); ++e) thread->set_limit_tension(e, 0);
   ElementState s;
@@ -111,19 +110,16 @@ void Elongation::build(const StepContext&, ConstraintBuilder& builder) {
                                                   {.force = 0.1, .length = limit * length});
     builder.couple(block, *thread, Eigen::Matrix<Real, 1, 3>(along.transpose()), J, at.position);
     blocks_.push_back(block);
-    tensions_.push_back({rod.abscissa()[first], rod.abscissa()[last], 0});
   }
 }
 
 void Elongation::commit(const StepContext&, const SolvedBlocks& solved) {
   largest_force_ = 0;
   active_ = 0;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    tensions_[i].tension = solved.lambda(blocks_[i])[0];
-    largest_force_ = std::max(largest_force_, tensions_[i].tension);
-    active_ += solved.mode(blocks_[i]) == Unilateral::closed;
+  for (const BlockId& block : blocks_) {
+    largest_force_ = std::max(largest_force_, solved.lambda(block)[0]);
+    active_ += solved.mode(block) == Unilateral::closed;
   }
-  thread->bear(tensions_);
   strain_ = largest_strain();
 }
 

@@ -35,7 +35,6 @@ class Elongation : public Component, public ConstraintSource {
 
   Index source_id_ = 0;
   std::vector<BlockId> blocks_;
-  std::vector<SutureThread::LimitTension> tensions_;  ///< of each block
   Real largest_force_ = 0;
   Index active_ = 0;
   Real strain_ = 0;  ///< largest of a beam, at the end of the last step

@@ -62,6 +62,7 @@ class RodStep {
   bool is_stuck() const { return stuck_; }
   /// Another guess.
   void move_to(Rod& rod, const VecX& motion);
+  bool in_step() const { return in_step_; }
   /// Within a step: the rod is as it was when that began, and the step is not begun any more.
   void go_back(Rod& rod);
   /// The guess is the end of the step, which had this force of constraints.

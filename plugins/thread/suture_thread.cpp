@@ -163,7 +163,7 @@ bool SutureThread::goes_on_as_before(const StepContext&) {
 void SutureThread::end_step(const StepContext&, const VecX& force) {
   held_strands_.end_step(rod_, step_.time_error(rod_));
   step_.end(rod_, force);
-  limits_.clear();
+  keep_limits();
   tear();
   if (sampling_angle > 0) resample();
 }

@@ -125,17 +125,10 @@ class SutureThread : public Component,
 
   /// To the load of the step: on the section of a hold, which need not be closed.
   void add_load(Index hold, const Wrench& wrench);
+  /// What a limit of stretch bears on a beam at the present guess, beside the elastic thread (N).
+  void set_limit_tension(Index beam, Real tension) { step_.set_limit_tension(beam, tension); }
   /// Of the beam at s: mean curvature (1/m), twist per length (rad/m), axial force (N) and the
   /// whole force (N) with which what follows draws what comes before: along the beam and across it.
-  /// Between these abscissae a limit of stretch bears so much tension (N) beside the elastic
-  /// thread, at the end of the step. To be said when the step is committed; the thread tears then
-  /// where that is too much.
-  struct LimitTension {
-    Real from = 0, to = 0, tension = 0;
-  };
-  void bear(const std::vector<LimitTension>& limits);
-  /// What a limit of stretch bears on a beam at the present guess, as far as it is known (N).
-  void set_limit_tension(Index beam, Real tension) { step_.set_limit_tension(beam, tension); }
   struct SectionState {
     Real curvature = 0, twist = 0, tension = 0;
     Vec3 force = Vec3::Zero();
@@ -162,6 +155,8 @@ class SutureThread : public Component,
   Real drawn_radius(Real s) const;
   void resample();
   Real tension_of(Index beam, const ElementState& state) const;
+  Real limit_tension(Index beam) const;
+  void keep_limits();
   struct Taut {
     Index beam = -1;
     Real tension = 0;  // N
@@ -180,7 +175,11 @@ class SutureThread : public Component,
   HeldStrands held_strands_;
   Resampler resampler_;
   SutureShape shape_;
-  std::vector<LimitTension> limits_;  ///< in the last step
+  /// Between these abscissae a limit of stretch bears so much (N).
+  struct LimitTension {
+    Real from = 0, to = 0, tension = 0;
+  };
+  std::vector<LimitTension> limits_;  ///< at the end of the last step
   SamplingRules rules_;
   SamplingWork sampling_work_;
   Real sampling_change_ = 0;  ///< of elastic energy, by the last step's event, to all energy

@@ -1,5 +1,6 @@
 // How a thread is cut, and how it tears.
-#include "sutura/units.h"
+#include <cstdio>
+
 #include "suture_thread.h"
 
 namespace sutura::thread {
@@ -44,22 +45,29 @@ Real SutureThread::middle(Index beam) const {
   return (rod_.abscissa()[beam] + rod_.abscissa()[beam + 1]) / 2;
 }
 
-void SutureThread::bear(const std::vector<LimitTension>& limits) {
-  limits_.insert(limits_.end(), limits.begin(), limits.end());
-  if (!tears()) return;
-  const Index beam = most_taut().beam;
-  release_beam(beam);
-  rod_.cut(beam);  // not split: the rows of this step are still being looked at
+/// Beams may be split and merged before the next step.
+void SutureThread::keep_limits() {
+  limits_.clear();
+  limits_.reserve(static_cast<std::size_t>(rod_.beams()));
+  for (Index e = 0; e < rod_.beams(); ++e)
+    if (const Real tension = step_.guess().limit_tension[e]; tension != 0)
+      limits_.push_back({rod_.abscissa()[e], rod_.abscissa()[e + 1], tension});
+}
+
+Real SutureThread::limit_tension(Index beam) const {
+  if (rod_.is_cut(beam)) return 0;
+  if (step_.in_step()) return step_.guess().limit_tension[beam];
+  const Real at = middle(beam);
+  Real sum = 0;
+  for (const LimitTension& limit : limits_)
+    if (limit.from < at && at < limit.to) sum += limit.tension;
+  return sum;
 }
 
 /// Of a beam: of its elastic thread, of its viscosity, and what limits of stretch bear.
 Real SutureThread::tension_of(Index beam, const ElementState& state) const {
   if (rod_.is_cut(beam)) return 0;
-  Real sum = state.tension + step_.viscous_tension(beam);
-  const Real at = middle(beam);
-  for (const LimitTension& limit : limits_)
-    if (limit.from < at && at < limit.to) sum += limit.tension;
-  return sum;
+  return state.tension + step_.viscous_tension(beam) + limit_tension(beam);
 }
 
 /// Of the beams that may tear.

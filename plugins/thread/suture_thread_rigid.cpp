@@ -46,7 +46,12 @@ Wrench SutureThread::end_wrench(Real s, bool of_the_one_before) const {
   if (beam < 0 || beam >= rod_.beams()) return {};
   ElementState state;
   rod_.element_state(beam, state);
-  const ElementGradient g = gradient(rod_.element(beam), state);
+  ElementGradient g = gradient(rod_.element(beam), state);
+  if (const Real limit = limit_tension(beam); limit != 0) {
+    const Vec9 draws =
+        limit * rod_.element(beam).length * strain_gradient(rod_.element(beam), state);
+    g.v += draws.head<3>(), g.a += draws.segment<3>(3), g.b += draws.tail<3>();
+  }
   return of_the_one_before ? Wrench{-g.v, -g.b} : Wrench{g.v, -g.a};
 }
 

@@ -79,7 +79,8 @@ TEST(DrawnThread, ACapstanAtEverySpacingAndStep) {
 /// A limp thread lies in two half circles, bent opposite ways, in a block that is held all over;
 /// its hand draws against a load. Right is e^(mu angle), whatever the mesh: the bends are no
 /// further apart than an element is long.
-Real pull_through_two_bends(const std::string& cells) {
+Real pull_through_two_bends(const std::string& cells, const std::string& young = "2 GPa",
+                            const std::string& more = "") {
   const std::string file = ::testing::TempDir() + "drawn_thread_two_bends.csv";
   constexpr Real radius = 2.5e-3, straight = 12e-3;
   constexpr Real bend = std::numbers::pi * radius, length = 2 * (straight + bend);
@@ -94,8 +95,8 @@ Real pull_through_two_bends(const std::string& cells) {
   table.close();
   TextRun run("<BlockMesh box='-6 -3 -12  6 3 0 mm' cells='" + cells +
                   "'/><Tissue young='50 kPa'/><Attach box='-6 -3 -12  6 3 0 mm'/>"
-                  "<SutureThread needle_length='0' thread_young='2 GPa' thread_diameter='0.1 mm' "
-                  "bending_factor='0.005' thread_length='" +
+                  "<SutureThread needle_length='0' thread_diameter='0.1 mm' thread_young='" +
+                  young + "' bending_factor='0.005' thread_length='" +
                   std::to_string(length * 1e3) +
                   " mm' thread_beams='250' tip='-5 0 6 mm' tip_direction='0 0 1' "
                   "plane_normal='0 -1 0' damping_stiffness='0.1 ms' damping_mass='100 1/s' "
@@ -106,7 +107,7 @@ Real pull_through_two_bends(const std::string& cells) {
                   "<ThreadLoad at='0' force='0 0 0.1 N' times='0 0.1 s' factors='0 1'/>"
                   "<Track name='way' times='0.2 0.6 s' positions='0 0 0  0 0 -1.5 mm'/>"
                   "<Grasper name='hand' at='" +
-                  std::to_string(length * 1e3) + " mm' track='way' rotation_stiffness='0'/>",
+                  std::to_string(length * 1e3) + " mm' track='way' rotation_stiffness='0'/>" + more,
               "dt='10 ms' gravity='0 0 0'");
   EXPECT_TRUE(run) << run.said();
   if (!run) return 0;
@@ -119,6 +120,9 @@ TEST(DrawnThread, BendsThatGoOppositeWaysAddUp) {
   const Real right = std::exp(0.2 * 2 * std::numbers::pi);
   for (const char* cells : {"12 6 12", "4 2 4"})
     EXPECT_NEAR(pull_through_two_bends(cells), right, 0.05 * right) << cells;
+  // A limit of stretch that bears nearly all is tension as much.
+  const Real locked = pull_through_two_bends("12 6 12", "100 MPa", "<Elongation limit='0.0005'/>");
+  EXPECT_NEAR(locked, right, 0.05 * right);
 }
 
 }  // namespace
