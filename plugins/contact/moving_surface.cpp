@@ -34,6 +34,16 @@ void MovingSurface::fit() const {
   tree_->refit(boxes_, [this](Index t) { return ways_[static_cast<std::size_t>(t)] = way(t); });
 }
 
+Real MovingSurface::angle_at(const TriangleSurface& rest, const SurfaceNode& corner) {
+  Index k = 0;
+  corner.weights.maxCoeff(&k);
+  const Corners c = rest.corners(corner.triangle);
+  const auto side = [&](Index to) {
+    return Vec3(c[static_cast<std::size_t>((k + to) % 3)] - c[static_cast<std::size_t>(k)]);
+  };
+  return std::atan2(side(1).cross(side(2)).norm(), side(1).dot(side(2)));
+}
+
 /// What stays as it is at rest: so a run that was interrupted finds the same.
 void MovingSurface::learn() {
   const TriangleSurface rest = boundary_->surface(Configuration::rest);
@@ -55,6 +65,7 @@ void MovingSurface::learn() {
       nodes_[count++].first = static_cast<Index>(around_.size());
     }
     around_.push_back(n.triangle);
+    angles_.push_back(angle_at(rest, n));
     nodes_[count - 1].last = static_cast<Index>(around_.size());
   }
   nodes_.resize(count);

@@ -50,6 +50,10 @@ class MovingSurface {
   std::span<const Index> around(const SurfaceNode& n) const {
     return {around_.data() + n.first, static_cast<std::size_t>(n.last - n.first)};
   }
+  /// The angles that these have there, at rest (rad).
+  std::span<const Real> angles(const SurfaceNode& n) const {
+    return {angles_.data() + n.first, static_cast<std::size_t>(n.last - n.first)};
+  }
   const std::vector<SurfaceNode>& surface_nodes() const { return nodes_; }
   /// Mean length of the edges of the triangles, at rest (m).
   Real edge_length() const { return edge_length_; }
@@ -76,6 +80,7 @@ class MovingSurface {
     return boxes_.empty() ? Box{} : boxes_[0];
   }
   void learn();
+  static Real angle_at(const TriangleSurface& rest, const SurfaceNode& corner);
   void learn_thickness(const TriangleSurface& rest);
 
   std::shared_ptr<const Boundary> boundary_;
@@ -89,6 +94,7 @@ class MovingSurface {
   Real edge_length_ = 0;
   std::vector<Real> thickness_;  ///< by triangle
   std::vector<Index> around_;    ///< triangles of the nodes, one node after the other
+  std::vector<Real> angles_;     ///< of each of these at its node (rad)
 };
 
 }  // namespace sutura::contact

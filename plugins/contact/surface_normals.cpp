@@ -1,8 +1,5 @@
 #include "surface_normals.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace sutura::contact {
 
 void SurfaceNormals::look(const MovingSurface& surface) {
@@ -19,15 +16,10 @@ void SurfaceNormals::look(const MovingSurface& surface) {
 
 Vec3 SurfaceNormals::of_node(const MovingSurface& surface,
                              const MovingSurface::SurfaceNode& node) const {
-  const Vec3 at = surface.point(node.node);
+  const auto around = surface.around(node);
+  const auto angles = surface.angles(node);
   Vec3 sum = Vec3::Zero();
-  for (const Index t : surface.around(node)) {
-    const auto& nodes = surface.nodes(t);
-    const auto k = std::find(nodes.begin(), nodes.end(), node.node) - nodes.begin();
-    const Vec3 u = surface.point(nodes[(k + 1) % 3]) - at,
-               v = surface.point(nodes[(k + 2) % 3]) - at;
-    sum += std::atan2(u.cross(v).norm(), u.dot(v)) * now(t);
-  }
+  for (std::size_t i = 0; i < around.size(); ++i) sum += angles[i] * now(around[i]);
   return sum.normalized();
 }
 
