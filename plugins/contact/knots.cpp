@@ -148,8 +148,8 @@ void Knots::build(const StepContext&, ConstraintBuilder& builder) {
   }
 }
 
-/// A knot that is asked for another load than it was seen to hold bears it in no step: rigid it
-/// takes up no slack, and what a hand draws out of it in one step would be a force.
+/// A knot is rigid in no step that asks another load of it than it was seen to hold: rigid it gives
+/// no slack, and its hand would feel the stretch of the thread beside it.
 bool Knots::revise(const StepContext&) {
   bool revised = false;
   for (Knot& knot : knots_) knot.holds = !knot.is_rigid || is_still_rigid(knot);

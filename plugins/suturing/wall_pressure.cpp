@@ -49,8 +49,9 @@ void SuturePath::spread(const SolvedBlocks& solved) {
     const std::size_t at = is_end ? sample_crossings_ - 1 : b.crossing;
     Vec3 force = c.axes.bottomRows<2>().transpose() * solved.lambda(b.block);
     if (!is_end) {
-      pressing_[at] += turned_by_tension(c);
-      force -= turned_by_tension(c);
+      const Vec3 turned = turned_by_tension(c);
+      pressing_[at] += turned;
+      force -= turned;
     }
     // Not beyond what of the thread is in this bite.
     std::size_t first = at, last = at;

@@ -219,13 +219,14 @@ void step_stiffness(const ElementRest& r, const ElementState& s, Real n, Real ch
   const Real c1 = r.bend_1 + 4 * n * r.length / 30, c2 = r.bend_2 - n * r.length / 30;
   const Real kappa = chord_roll / 2, mu_a = 1 - s.xa, mu_b = 1 - s.xb;
   const Vec3 pa = s.ca.cross(s.e), pb = s.cb.cross(s.e);
-  const Vec3 ca = c1 * s.ca + c2 * s.cb, cb = c2 * s.ca + c1 * s.cb;
-  const Real mean_a = c1 * mu_a + c2 * mu_b, mean_b = c2 * mu_a + c1 * mu_b;
+  // A director with its weight and the other with its own, and what of that is along the chord.
+  const Vec3 qa = c1 * s.ca + c2 * s.cb, qb = c2 * s.ca + c1 * s.cb;
+  const Real along_a = c1 * mu_a + c2 * mu_b, along_b = c2 * mu_a + c1 * mu_b;
 
   // What the roll of the chord couples.
-  const Vec3 wa = kappa * (mu_a * ca - (c1 + c2 * s.m) * s.e);
-  const Vec3 wb = kappa * (mu_b * cb - (c1 + c2 * s.m) * s.e);
-  const Vec3 y = kappa / s.l * (mean_a * pa + mean_b * pb);
+  const Vec3 wa = kappa * (mu_a * qa - (c1 + c2 * s.m) * s.e);
+  const Vec3 wb = kappa * (mu_b * qb - (c1 + c2 * s.m) * s.e);
+  const Vec3 y = kappa / s.l * (along_a * pa + along_b * pb);
   const Real rolled =
       kappa * kappa * (c1 * pa.squaredNorm() + c1 * pb.squaredNorm() + 2 * c2 * pa.dot(pb));
 
@@ -233,18 +234,18 @@ void step_stiffness(const ElementRest& r, const ElementState& s, Real n, Real ch
   const Vec3 gv = stretch.head<3>(), ga = stretch.segment<3>(3), gb = stretch.tail<3>();
   const Vec3 twist = std::sqrt(r.torsion) * s.twist_axis;
   const Real ll = s.l * s.l, string = n / s.l;
-  const Vec3 z = (mean_a * s.ca + mean_b * s.cb) / ll + string / 2 * s.e;
-  const Mat3 vv = (ca * s.ca.transpose() + cb * s.cb.transpose()) / ll - z * s.e.transpose() -
+  const Vec3 z = (along_a * s.ca + along_b * s.cb) / ll + string / 2 * s.e;
+  const Mat3 vv = (qa * s.ca.transpose() + qb * s.cb.transpose()) / ll - z * s.e.transpose() -
                   s.e * z.transpose() + gv * gv.transpose();
-  k.vv = plus_diagonal(vv, (mu_a * mean_a + mu_b * mean_b) / ll + string);
-  const Vec3 va = ca / s.l, vb = cb / s.l;
+  k.vv = plus_diagonal(vv, (mu_a * along_a + mu_b * along_b) / ll + string);
+  const Vec3 va = qa / s.l, vb = qb / s.l;
   k.va = va * pa.transpose() - y * s.e.transpose() + gv * ga.transpose() +
-         mean_a / s.l * cross_matrix(s.ca);
+         along_a / s.l * cross_matrix(s.ca);
   k.vb = vb * pb.transpose() - y * s.e.transpose() + gv * gb.transpose() +
-         mean_b / s.l * cross_matrix(s.cb);
+         along_b / s.l * cross_matrix(s.cb);
   const auto own = [&](const Vec3& c, const Vec3& w, const Vec3& g) {
-    const Vec3 along = w + rolled / 2 * s.e;
-    const Mat3 m = along * s.e.transpose() + s.e * along.transpose() - c1 * c * c.transpose() +
+    const Vec3 side = w + rolled / 2 * s.e;
+    const Mat3 m = side * s.e.transpose() + s.e * side.transpose() - c1 * c * c.transpose() +
                    twist * twist.transpose() + g * g.transpose();
     return plus_diagonal(m, c1);
   };

@@ -109,8 +109,10 @@ void SutureThread::build() {
             .forced = holds_};
   // A beam is split only above twice the shortest: so many beams at most, next to those there are
   // now.
+  limits_.reserve(static_cast<std::size_t>(rod_.beams()));
   if (sampling_angle > 0) {
     const Index most = rod_.beams() + static_cast<Index>(thread_length / shortest_beam);
+    limits_.reserve(static_cast<std::size_t>(most));
     sampling_work_.reserve(static_cast<std::size_t>(most));
     rod_.reserve(most);
     step_.reserve(most);

@@ -48,7 +48,6 @@ Real SutureThread::middle(Index beam) const {
 /// Beams may be split and merged before the next step.
 void SutureThread::keep_limits() {
   limits_.clear();
-  limits_.reserve(static_cast<std::size_t>(rod_.beams()));
   for (Index e = 0; e < rod_.beams(); ++e)
     if (const Real tension = step_.guess().limit_tension[e]; tension != 0)
       limits_.push_back({rod_.abscissa()[e], rod_.abscissa()[e + 1], tension});
@@ -95,8 +94,8 @@ void SutureThread::tear() {
   cut(middle(most.beam));
 }
 
-/// Torn at the end of a step in which it bears far more than it can, it has drawn at all else with
-/// that.
+/// What tears at the end of a step in which it bore far more than it can has drawn at its hands and
+/// knots with that.
 bool SutureThread::tells_when() const {
   return strength == 0 || most_taut().tension <= late * strength;
 }
