@@ -236,7 +236,7 @@ class ConstraintSource {
   /// A solved guess is about to be taken. True if what this source took for given in it does not
   /// hold, as that a knot is rigid, and is given up: the step is then taken once more from its
   /// start.
-  virtual bool revise(const StepContext&) { return false; }
+  virtual bool revise(const StepContext&, const SolvedBlocks&) { return false; }
   /// After `correct`: the only place where topology and the number of rows may change.
   virtual void commit(const StepContext&, const SolvedBlocks&) {}
   /// The attribute that decides how many rows it makes, to be named where they are too many.

@@ -150,7 +150,7 @@ void Knots::build(const StepContext&, ConstraintBuilder& builder) {
 
 /// A knot is rigid in no step that asks another load of it than it was seen to hold: rigid it gives
 /// no slack, and its hand would feel the stretch of the thread beside it.
-bool Knots::revise(const StepContext&) {
+bool Knots::revise(const StepContext&, const SolvedBlocks&) {
   bool revised = false;
   for (Knot& knot : knots_) knot.holds = !knot.is_rigid || is_still_rigid(knot);
   for (Knot& knot : knots_) {

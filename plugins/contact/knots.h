@@ -16,7 +16,7 @@ class Knots : public Component, public ConstraintSource {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
-  bool revise(const StepContext& context) override;
+  bool revise(const StepContext& context, const SolvedBlocks& solved) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
 
  private:

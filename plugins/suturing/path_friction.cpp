@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "path_friction_law.h"
@@ -9,6 +10,9 @@
 
 namespace sutura::suturing {
 namespace {
+
+constexpr Real rise = 0.1;  // of the friction of what slides: with more a step is taken again
+constexpr int most_revisions = 8;  // and at most so often
 
 /// Surface of a stretch of needle and of thread (m^2): both are cylinders, and meet at the swage.
 struct Surface {
@@ -212,7 +216,50 @@ void PathFriction::build(const StepContext& context, ConstraintBuilder& builder)
   }
 }
 
+/// Samples that slide by the friction of the step before may not do so by that of this one, where
+/// tension rises along the whole channel: with all of what presses now the step is taken again.
+bool PathFriction::revise(const StepContext&, const SolvedBlocks& solved) {
+  lacks_ = 0;
+  if (lateral_share_ == 0) return false;
+  path_->find_pressing(solved);
+  Real more = 0, all = 0;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const SampleBlock& b = blocks_[i];
+    const Crossing& c = path_->crossings()[i];
+    if (!slides(solved, b)) continue;
+    const Surface area(path_->thread(), c.share);
+    const Real mu = area.needle > area.thread ? coefficient_ : thread_coefficient();
+    const Real before = path_->channel().samples()[c.sample].lateral_force;
+    more += mu * lateral_share_ * (path_->pressing(i) - before);
+    all += b.params.kinetic;
+  }
+  if (!(more > rise * (all + more))) return false;
+  if (revisions_ == most_revisions) {
+    lacks_ = more / (all + more);
+    return false;
+  }
+  path_->keep_pressing();
+  ++revisions_;
+  return true;
+}
+
+std::string PathFriction::fault() const {
+  if (lacks_ == 0) return {};
+  char text[100];
+  std::snprintf(text, sizeof text,
+                "the friction of what presses across the thread lags by %.0f %%: a shorter step",
+                100 * lacks_);
+  return text;
+}
+
+bool PathFriction::slides(const SolvedBlocks& solved, const SampleBlock& b) const {
+  const Real slip = solved.delta(b.block)[0], force = solved.lambda(b.block)[0];
+  return PathFrictionLaw::at_limit(b.params, solved.mode(b.block), force) &&
+         std::abs(slip) > b.params.stick_slip;
+}
+
 void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
+  revisions_ = 0;
   force_ = 0;
   sliding_ = 0;
   left_.clear();
@@ -220,7 +267,7 @@ void PathFriction::commit(const StepContext&, const SolvedBlocks& solved) {
     const Real slip = solved.delta(b.block)[0], force = solved.lambda(b.block)[0];
     const bool may_slide = PathFrictionLaw::at_limit(b.params, solved.mode(b.block), force);
     force_ += force;
-    if (may_slide && std::abs(slip) > b.params.stick_slip) sliding_ += slip > 0 ? 1 : -1;
+    if (slides(solved, b)) sliding_ += slip > 0 ? 1 : -1;
     left_.push_back({b.sample, may_slide ? 0 : slip});
   }
 }

@@ -16,7 +16,9 @@ class PathFriction : public Component, public ConstraintSource {
   void initialise(Setup& setup) override;
   void archive(Archive& archive) override;
   void build(const StepContext& context, ConstraintBuilder& builder) override;
+  bool revise(const StepContext& context, const SolvedBlocks& solved) override;
   void commit(const StepContext& context, const SolvedBlocks& solved) override;
+  std::string fault() const override;
 
   /// Kinetic resistance per length of the needle at this point of the tissue, without lateral force
   /// (N/m).
@@ -47,7 +49,10 @@ class PathFriction : public Component, public ConstraintSource {
     std::uint64_t sample;
     PathFrictionLaw::Params params;
   };
-  std::vector<SampleBlock> blocks_;
+  bool slides(const SolvedBlocks& solved, const SampleBlock& block) const;
+  std::vector<SampleBlock> blocks_;  ///< per crossing
+  int revisions_ = 0;                ///< of this step, or of the present part of it
+  Real lacks_ = 0;  ///< by what share it lags behind what presses, after all of these
   /// Slip that the last step left at samples that stick, by rounding and within the tolerance: the
   /// next one takes it back, or a thread at rest would creep.
   struct Left {

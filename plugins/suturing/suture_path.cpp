@@ -332,7 +332,8 @@ void SuturePath::commit(const StepContext&, const SolvedBlocks& solved) {
     lateral_force_ = std::max(lateral_force_, solved.lambda(b.block).norm());
   for (std::size_t i = 0; i < sample_crossings_; ++i)
     channel_->sample(i).across = crossings_[i].axes.row(1);
-  spread(solved);
+  find_pressing(solved);
+  keep_pressing();
   if (strength_ > 0) cut(solved);
   channel_->update(tip_blocked(), way_along_, tip_let_out_);
   lateral_gap_ = 0;

@@ -55,6 +55,11 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   /// One per sample on the thread, in the order of passage; none before this step's `detect`.
   std::span<const Crossing> crossings() const { return {crossings_.data(), sample_crossings_}; }
   Real spacing() const { return spacing_; }
+  /// Finds what the thread presses on the wall by the solved guess, for each of the crossings.
+  void find_pressing(const SolvedBlocks& solved);
+  Real pressing(std::size_t crossing) const { return pressing_[crossing].norm(); }  ///< N
+  /// Friction goes by what was found last, from now on.
+  void keep_pressing();
   /// Of each kind of law one acts on a path. Complains of a second one.
   void add_law(const Component& law, Setup& setup) {
     const std::string& kind = law.info().name;
@@ -106,10 +111,9 @@ class SuturePath : public Component, public ConstraintSource, public Passage {
   Real share_of_end() const;
   Real stray() const;
   Vec3 turned_by_tension(const Crossing& c) const;
-  void spread(const SolvedBlocks& solved);
   void cut(const SolvedBlocks& solved);
   std::vector<LateralBlock> blocks_;
-  std::vector<Vec3> pressing_;  ///< per sample, of the step that is over (N)
+  std::vector<Vec3> pressing_;  ///< per sample, of the last solved guess (N)
   std::optional<Block> blocked_by_;
   bool tip_let_out_ = false;
   Vec3 way_along_ = Vec3::Zero();  ///< way_along_block at the last guess

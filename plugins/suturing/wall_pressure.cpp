@@ -41,7 +41,7 @@ Vec3 SuturePath::turned_by_tension(const Crossing& c) const {
 /// are; the elements do not feel it. Over some elements such forces cancel. What is spread so is
 /// what is left where the tension has turned the thread, which may wind to and fro. It turns with
 /// the thread as it is spread.
-void SuturePath::spread(const SolvedBlocks& solved) {
+void SuturePath::find_pressing(const SolvedBlocks& solved) {
   pressing_.assign(sample_crossings_, Vec3::Zero());
   for (const LateralBlock& b : blocks_) {
     const Crossing& c = crossings_[b.crossing];
@@ -71,8 +71,11 @@ void SuturePath::spread(const SolvedBlocks& solved) {
       pressing_[i] += common / (high - low) * (Quat::FromTwoVectors(from, to) * force);
     }
   }
+}
+
+void SuturePath::keep_pressing() {
   for (std::size_t i = 0; i < sample_crossings_; ++i)
-    channel_->sample(i).lateral_force = pressing_[i].norm();
+    channel_->sample(i).lateral_force = pressing(i);
 }
 
 }  // namespace sutura::suturing

@@ -199,7 +199,8 @@ bool Simulation::knows_ways() {
 /// Whether a source has given up what it took for given in this guess. All of them are asked.
 bool Simulation::is_revised(const StepContext& context) {
   bool revised = false;
-  for (ConstraintSource* source : sources_) revised |= ask(source).revise(context);
+  const SolvedBlocks blocks(problem_);
+  for (ConstraintSource* source : sources_) revised |= ask(source).revise(context, blocks);
   return revised;
 }
 
