@@ -162,7 +162,6 @@ class SutureThread : public Component,
     Real tension = 0;  // N
   };
   Taut most_taut() const;
-  bool tears() const;
   void tear();
   void release_beam(Index beam);
   Real middle(Index beam) const;

@@ -82,15 +82,12 @@ SutureThread::Taut SutureThread::most_taut() const {
   return most;
 }
 
-bool SutureThread::tears() const {
-  return strength > 0 && most_taut().tension > strength;
-}
-
 void SutureThread::tear() {
   torn_late_ = 0;
-  if (!tears()) return;
+  if (strength == 0) return;
   const Taut most = most_taut();
-  if (!tells_when()) torn_late_ = most.tension;
+  if (!(most.tension > strength)) return;
+  if (most.tension > late * strength) torn_late_ = most.tension;
   cut(middle(most.beam));
 }
 
